@@ -22,10 +22,10 @@ SPARE, SPARE_EVERY = 3, 8
 
 @dataclass(frozen=True, kw_only=True)
 class ReturnToBase(Parameters, Policy):
-    """Explore as another policy does, and bring home what was seen.
+    """Explore as another policy does, and report the map at a home base.
 
     Where there is no base, UAVs fly as that policy. Of UAVs in contact only the one nearest to the base flies home: it
-    has what the others know, which counts for them as reported. At the latest a UAV leaves when the remaining steps
+    has their maps, which count as reported. At the latest a UAV leaves when the remaining steps
     just suffice, or when nothing is left that it could explore. UAVs with the roles of explorers and relays are those
     of J. de Hoog, S. Cameron, A. Visser, "Role-based autonomous multi-robot exploration", ComputationWorld 2009,
     doi:10.1109/ComputationWorld.2009.14; here the roles follow from the distances home, step by step.
@@ -94,7 +94,7 @@ class ReturnPilot(Pilot):
         return action
 
     def _observe(self, view: View) -> None:
-        """Note what is known, what of it has been reported, and the way home."""
+        """Update the known and reported cells, and the path home."""
         base = self._briefing.base
         assert base is not None
         self._navigator.observe(view)
@@ -144,7 +144,7 @@ class ReturnPilot(Pilot):
 
 
 def _home_of(mate: Mate) -> tuple[float, int]:
-    """Return the steps home that a teammate has told, with its number to break ties."""
+    """Return the steps home in a teammate's message, with its number to break ties."""
     return (mate.message[-ADDED] if mate.message and len(mate.message) >= ADDED else float(UNREACHABLE)), mate.agent
 
 

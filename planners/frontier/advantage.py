@@ -12,7 +12,7 @@ from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.frontier.burgard import SequentialPilot
-from indoor_explorers.planners.frontier.group_pilot import Choices
+from indoor_explorers.planners.frontier.group_pilot import ClusterChoices
 from indoor_explorers.planners.toolbox.parameters import SwitchCostParameters, bounded
 
 
@@ -50,9 +50,9 @@ class AdvantagePilot(SequentialPilot):
         super().__init__(briefing, policy.switch_cost, policy.weight, policy.taken)
         self._remoteness, self._reach = policy.remoteness, policy.reach * briefing.lidar_range
 
-    def gains(self, view: View, choices: Choices) -> NDArray[np.float64]:
+    def gains(self, view: View, choices: ClusterChoices) -> NDArray[np.float64]:
         """Return each cluster's mean distance from the others, weighted, (K,)."""
-        between = np.minimum(self.paths.matrix(view.belief, choices.places()), self._reach)
+        between = np.minimum(self.paths.matrix(view.belief, choices.viewpoints()), self._reach)
         return np.asarray(self._remoteness * between.sum(axis=1) / max(1, len(between) - 1))
 
     def score(self, gains: NDArray[np.float64], costs: NDArray[np.float64]) -> NDArray[np.float64]:

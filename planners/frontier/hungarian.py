@@ -8,7 +8,7 @@ from typing import ClassVar
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.planners.frontier.group_pilot import Choices, GroupPilot
+from indoor_explorers.planners.frontier.group_pilot import ClusterChoices, GroupPilot
 from indoor_explorers.planners.toolbox.parameters import SwitchCostParameters, bounded
 from indoor_explorers.planners.toolbox.routing.assignment import matched
 
@@ -41,7 +41,7 @@ class HungarianPilot(GroupPilot):
         super().__init__(briefing)
         self._policy = policy
 
-    def assigned(self, view: View, choices: Choices) -> int:
+    def assigned(self, view: View, choices: ClusterChoices) -> int:
         """Return the cluster matched to this UAV."""
         reach = self.briefing.lidar_range
         costs = choices.costs(self._policy.switch_cost * reach)

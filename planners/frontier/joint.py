@@ -22,13 +22,13 @@ from indoor_explorers.planners.toolbox.parameters import ReplanParameters, bound
 @renamed(fade="decay_length", rate="discount_rate", hold="goal_bonus")
 @dataclass(frozen=True, kw_only=True)
 class FrontierJoint(SequenceParameters, ReplanParameters, Policy):
-    """Fly to the place with the best short sequence, minus the cost of all clusters that it leaves behind.
+    """Fly to the candidate with the best short sequence, minus the cost of all clusters that it leaves behind.
 
-    Places are the frontier clusters, each at its cell nearest to the group, and a few cells near each UAV with
-    unknown cells in view. The value of a sequence of up to three places is the sum of (remaining gain)^power
+    Candidates are the frontier clusters, each at its cell nearest to the group, and a few cells near each UAV with
+    unknown cells in view. The value of a sequence of up to three candidates is the sum of (remaining gain)^power
     e^(-discount_rate t) trust^k: the discounted gain of H. H. Gonzalez-Banos, J.-C. Latombe, IJRR 2002,
     doi:10.1177/0278364902021010834, in an orienteering problem in which each view counts once. This alone is greedy
-    and leaves small pockets behind. Therefore the score of a place is log(value) - order * cost, with the cost of
+    and leaves small pockets behind. Therefore the score of a candidate is log(value) - order * cost, with the cost of
     the best order of the UAV's own clusters that begins there, as in the travelling repairman problem (A. Blum et
     al., STOC 1994, doi:10.1145/195058.195125).
 
@@ -64,7 +64,7 @@ class JointPilot(CandidatePilot):
         """Chooses among the candidates."""
 
     def choose(self, view: View) -> Cell | None:
-        """Return the place that this UAV gets in its turn."""
+        """Return the candidate that this UAV gets in its turn."""
         goal = self.chooser.choose(view)
         self.message = message_of(goal)
         return goal

@@ -12,7 +12,7 @@ from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.planners.frontier.group_pilot import Choices, GroupPilot
+from indoor_explorers.planners.frontier.group_pilot import ClusterChoices, GroupPilot
 from indoor_explorers.planners.toolbox.frontiers.clusters import middles
 from indoor_explorers.planners.toolbox.navigation.paths import Paths
 from indoor_explorers.planners.toolbox.parameters import SwitchCostParameters, bounded
@@ -52,7 +52,7 @@ class TourPilot(GroupPilot):
         self._policy = policy
         self._between = DistanceCache(self.paths)
 
-    def assigned(self, view: View, choices: Choices) -> int:
+    def assigned(self, view: View, choices: ClusterChoices) -> int:
         """Return the first cluster of this UAV's tour."""
         at_hand = np.arange(min(self._policy.clusters, len(choices.numbers)))  # they are sorted by distance
         uavs, count = len(choices.steps), len(at_hand)

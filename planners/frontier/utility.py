@@ -13,7 +13,7 @@ from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.frontier.burgard import SequentialPilot
-from indoor_explorers.planners.frontier.group_pilot import Choices
+from indoor_explorers.planners.frontier.group_pilot import ClusterChoices
 from indoor_explorers.planners.toolbox.information.view_gain import unclaimed_gains
 from indoor_explorers.planners.toolbox.parameters import SwitchCostParameters, bounded, one_of
 
@@ -57,11 +57,11 @@ class UtilityPilot(SequentialPilot):
         super().__init__(briefing, policy.switch_cost, policy.weight, policy.reach)
         self._policy = policy
 
-    def gains(self, view: View, choices: Choices) -> NDArray[np.float64]:
+    def gains(self, view: View, choices: ClusterChoices) -> NDArray[np.float64]:
         """Return each cluster's size, or the unknown cells in view of its cell nearest to any UAV, (K,)."""
         if self._policy.form == "size":
             return np.diff(choices.clusters.ends)[choices.numbers].astype(np.float64)
-        places, no_claims = choices.places(), np.empty((0, 2))
+        places, no_claims = choices.viewpoints(), np.empty((0, 2))
         return unclaimed_gains(view.belief, places, no_claims, self.briefing.lidar_range).astype(np.float64)
 
     def score(self, gains: NDArray[np.float64], costs: NDArray[np.float64]) -> NDArray[np.float64]:

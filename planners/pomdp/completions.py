@@ -1,6 +1,6 @@
-"""Completions of a map: what could be unknown, drawn from the estimates of what is behind each frontier cluster.
+"""Completions of a map: possible contents of the unknown cells, drawn from the estimates behind frontier clusters.
 
-The estimates (:mod:`indoor_explorers.planners.toolbox.pockets`) tell how likely more than t unknown free cells are
+The estimates (:mod:`indoor_explorers.planners.toolbox.pockets`) are probabilities of more than t unknown free cells
 behind a cluster, for several t. A completion draws one quantile, takes the size at this quantile behind each cluster,
 and lets pockets of these sizes grow from the clusters through unknown cells, breadth-first, all at once. Unknown cells
 that no pocket reaches are occupied. So the unknown is open in one completion and cluttered in another; with sizes drawn

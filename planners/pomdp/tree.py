@@ -163,7 +163,7 @@ def _by_bound(problem: Problem, belief: np.ndarray, tree: Tree, node: int, scale
 def _simulate(
     problem: Problem, flight: Flight, lidar: LidarModel, tree: Tree, nodes: int, scale: float, trace: np.ndarray
 ) -> tuple[int, float]:
-    """Fly one simulation, and add its returns to the tree of so many ``nodes``; return (nodes, return).
+    """Fly one simulation, and add its returns to the tree, which has ``nodes`` nodes; return (nodes, return).
 
     ``trace`` (D, 2) is scratch for the nodes and actions. The completion is the next one for the first action, so that
     all actions are judged by the same ones.

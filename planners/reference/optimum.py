@@ -83,7 +83,7 @@ class OptimumPilot(ReferencePilot):
         return self._routes.tracks[self.briefing.agent]
 
     def tally(self) -> dict[str, float]:
-        """Tell what is known about the routes."""
+        """Return whether the routes are proved optimal, the lower bound and the effort."""
         routes = self._routes
         if routes is None or routes.steps is None:
             return super().tally() | {"proved": 0.0}

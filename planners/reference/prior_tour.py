@@ -1,4 +1,4 @@
-"""A tour planned on the prior map, corrected by what has been seen; frontiers where the prior knows nothing more."""
+"""A tour planned on the prior map, corrected by the known cells; frontiers where the prior is complete or wrong."""
 
 from __future__ import annotations
 
@@ -28,15 +28,15 @@ DETOUR = 2
 
 
 class Stage(IntEnum):
-    """What routes are planned to show."""
+    """The cells that routes are planned to reveal."""
 
     CELLS = 0
-    """The cells that can be reached, and the walls around free cells that cannot, but what the routes of teammates out
-    of contact show."""
+    """The cells that can be reached, and the walls around free cells that cannot; without cells in view of the routes
+    of teammates out of contact."""
     WALLS = 1
-    """The other walls too."""
+    """In addition, the other walls."""
     ALL = 2
-    """All, whatever teammates out of contact may see."""
+    """All cells, whatever teammates out of contact may see."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -106,7 +106,7 @@ class PriorTourPilot(RoutePilot):
         """Plan again where that is due, and follow the route or explore."""
         self.navigator.observe(view)
         if self.navigator.map_grew:
-            self._take_in(view)
+            self._correct_map(view)
         self._plan_if_due(view)
         action = None if self._stagnates(view) else self._fly_on(view)
         if action is None:
@@ -118,7 +118,7 @@ class PriorTourPilot(RoutePilot):
         self.message = (*(goal or (-1.0, -1.0))[:2], float(self._next_stage))
         return action
 
-    def _take_in(self, view: View) -> None:
+    def _correct_map(self, view: View) -> None:
         """Correct the map by what is known."""
         self._grew_at = view.step
         self.cells = np.where(view.belief == UNKNOWN, self._prior, view.belief)
@@ -188,12 +188,12 @@ class PriorTourPilot(RoutePilot):
         self.begin_route(self._routes[self.briefing.agent], view.step)
 
     def _request(self, starts: tuple[Cell, ...], stage: Stage, known: Mask, others: Track) -> PlanRequest:
-        told, scenario = self.briefing, self.briefing.scenario
+        briefing, scenario = self.briefing, self.briefing.scenario
         return PlanRequest(
             truth=self.cells.tobytes(),
-            shape=told.shape,
+            shape=briefing.shape,
             starts=starts,
-            lidar=(float(told.lidar_range), scenario.lidar.model),
+            lidar=(float(briefing.lidar_range), scenario.lidar.model),
             count_all_cells=True,
             aim=self._policy.aim,
             goal=1.0,
@@ -221,5 +221,5 @@ class PriorTourPilot(RoutePilot):
 
 
 def _stage_of(mate: Mate) -> Stage:
-    """Return the stage that a teammate has told."""
+    """Return the stage in a teammate's message."""
     return Stage(int(mate.message[2])) if mate.message is not None and len(mate.message) > 2 else Stage.CELLS

@@ -20,9 +20,9 @@ class Reference(Parameters, Policy):
     A good tour found with the map known, for comparison with policies that do not know it. It is no bound: better
     routes may exist, and policies may reach coverage below its ``aim`` sooner, since it does not plan for that. Routes
     are lists of viewpoints, changed at random by simulated annealing; every change is judged by flying it on the true
-    map, sensing all along the way, the whole team at once. What is made small is the time to ``aim``, plus a tenth of
-    the steps from there to the goal. All UAVs work out the same plan by themselves from the map and all starts; nothing
-    is said by radio.
+    map, sensing all along the way, the whole team at once. The search minimises the time to ``aim``, plus a
+    tenth of the steps from there to the goal. Each UAV computes the same plan from the map and all starts; no messages
+    are sent.
 
     The search is made once an episode, at its first step. Its budget counts changes and words, not seconds, so that
     every machine finds the same routes: some 0.1 s in 16x16 rooms, and one second on floors of 1,600 to 6,000 cells.
@@ -71,10 +71,11 @@ class ReferencePilot(RoutePilot):
 
     @property
     def request(self) -> PlanRequest:
-        """What the team's routes are planned for."""
-        told, scenario = self.briefing, self.briefing.scenario
-        lidar, all_cells = (float(told.lidar_range), scenario.lidar.model), scenario.denominator == "map"
-        return PlanRequest(self.cells.tobytes(), told.shape, self._starts, lidar, all_cells, self._aim, scenario.goal)
+        """The request for the plan of the team's routes."""
+        briefing, scenario = self.briefing, self.briefing.scenario
+        lidar, all_cells = (float(briefing.lidar_range), scenario.lidar.model), scenario.denominator == "map"
+        truth = self.cells.tobytes()
+        return PlanRequest(truth, briefing.shape, self._starts, lidar, all_cells, self._aim, scenario.goal)
 
     def _planned(self) -> Track:
         return plan(self.request, self._budget)[self.briefing.agent]

@@ -62,7 +62,7 @@ class Watch(NamedTuple):
 
 
 class Solution(NamedTuple):
-    """What is known about the fewest steps."""
+    """Bounds on the fewest steps, and walks."""
 
     lower: int
     """No team can do it in fewer."""
@@ -103,7 +103,7 @@ def fewest_steps(watch: Watch, below: int, most: int) -> Solution:
 def _walks(
     stage: _Stage, watch: Watch, visited: Visited, steps: int, most: int
 ) -> tuple[int, tuple[tuple[int, ...], ...] | None, int]:
-    """Search for walks of so many steps; return the outcome, the walks if any, and the number of expanded states.
+    """Search for walks of a number of steps; return the outcome, the walks if any, and the number of expanded states.
 
     The last UAVs may have one step less.
     """
@@ -123,12 +123,12 @@ def _stage(watch: Watch, memory: int, steps: int) -> _Stage:
     countable = count_cells(known | watch.table.union)
     prices, _ = cell_prices(graph, watch.team, countable - watch.needed, ROUNDS)
     whole, count = np.floor(prices * PARTS).astype(np.int64), len(prices)
-    dearest = np.argsort(-whole, kind="stable")
+    order = np.argsort(-whole, kind="stable")
     words = max(1, math.ceil(count / 64))
     price = np.zeros(64 * words, np.int64)
-    price[:count] = whole[dearest]
+    price[:count] = whole[order]
     earned = most_earned(graph, whole, steps)
-    views = _views(watch.table, graph.unseen[dearest], words)
+    views = _views(watch.table, graph.unseen[order], words)
     return _Stage(graph, Prices(price, views, earned, count, countable - watch.needed))
 
 

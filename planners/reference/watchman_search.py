@@ -1,7 +1,7 @@
 """Depth-first search for walks that show enough cells within a number of steps, or the proof that there are none.
 
-The UAVs move in turn, each once a step. A state is left as soon as the prices of the unseen cells, but for the dearest
-that may be missed, add up to more than the UAVs can earn in their remaining steps; see
+The UAVs move in turn, each once a step. A state is left as soon as the prices of the unseen cells, except the most
+valuable ones that may be missed, add up to more than the UAVs can earn in their remaining steps; see
 :mod:`indoor_explorers.env.search.cell_prices`. Prices are integers, so that no rounding enters the proof.
 """
 
@@ -22,14 +22,14 @@ _ONE = np.uint64(1)
 
 
 class Prices(NamedTuple):
-    """K cells that must be seen, dearest first, and what UAVs can earn by seeing them."""
+    """K cells that must be seen, the highest price first, and what UAVs can earn by seeing them."""
 
     price: NDArray[np.int64]
     """(64 W,) their prices, 0 where there is no cell; W words hold a set of them."""
     views: NDArray[np.uint64]
     """(M, W) the cells in view from each cell of the map."""
     earned: NDArray[np.int64]
-    """(T + 1, S) the most that a UAV in each state can earn in so many steps, forgotten cells counted again."""
+    """(T + 1, S) the most that a UAV in each state can earn in T steps, forgotten cells counted again."""
     cells: int
     """K."""
     missable: int
@@ -122,8 +122,8 @@ def _look(prices: Prices, cell: int, seen: np.ndarray, after: np.ndarray) -> tup
 
 
 @leaf(entry=False)
-def _dearest_unseen(prices: Prices, seen: np.ndarray) -> int:
-    """Return the worth of the dearest unseen cells that may be missed."""
+def _most_valuable_unseen(prices: Prices, seen: np.ndarray) -> int:
+    """Return the worth of the most valuable unseen cells that may be missed."""
     worth, left = np.int64(0), prices.missable
     for w in range(seen.shape[0]):
         missing = ~seen[w]
@@ -190,7 +190,7 @@ def _branch(graph: WalkGraph, prices: Prices, tree: Branches, depth: int, moves:
     for step in range(graph.first[place[turn]], graph.first[place[turn] + 1]):
         state, after = graph.target[step], tree.seen[depth + 1]
         _, worth = _look(prices, graph.cells[state, 0], tree.seen[depth], after)
-        missing = tree.worth[depth] - worth - _dearest_unseen(prices, after)
+        missing = tree.worth[depth] - worth - _most_valuable_unseen(prices, after)
         slack = prices.earned[steps - 1, state] + others - missing
         if slack >= 0:
             _insert(tree, depth, state, slack)

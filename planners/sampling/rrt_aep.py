@@ -204,7 +204,7 @@ class TurnsPilot(RrtNbvPilot):
         self._remembered = viewpoints.cells[good]
         if (good & np.isin(viewpoints.cells, found)).any():
             return super().viewpoint(view)
-        return self._farther(view, viewpoints.those(good))
+        return self._farther(view, viewpoints.selected(good))
 
     def _farther(self, view: View, viewpoints: Viewpoints) -> Cell | None:
         """Return the viewpoint of largest discounted gain along the paths of an RRT*."""

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from ompl import base, util
 
 from indoor_explorers.env.grid.arrays import Belief
-from indoor_explorers.planners.sampling.segments import ALL_KNOWN, BLOCKED, fly
+from indoor_explorers.planners.sampling.segments import ALL_KNOWN, BLOCKED, trace
 
 #: (K, 2) rows and columns in continuous cell coordinates: cell (r, c) covers [r, r + 1) x [c, c + 1).
 Points = NDArray[np.float64]
@@ -38,7 +38,7 @@ class MotionChecker(base.MotionValidator):  # type: ignore[misc]  # ompl carries
 
     def checkMotion(self, start: Any, end: Any) -> bool:  # OMPL's name
         """Tell whether the segment between two states is free of obstacles, and of unknown cells if required."""
-        met = fly(self._belief, start[0], start[1], end[0], end[1])
+        met = trace(self._belief, start[0], start[1], end[0], end[1])
         return bool(met != BLOCKED if self._into_unknown else met == ALL_KNOWN)
 
 

@@ -18,7 +18,7 @@ from indoor_explorers.planners.toolbox.coordination.out_of_contact import OutOfC
 from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters, nearest_cells
 from indoor_explorers.planners.toolbox.information.view_gain import WeightedGains
 from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
-from indoor_explorers.planners.toolbox.navigation.teammates import linked, message_of, told_goal
+from indoor_explorers.planners.toolbox.navigation.teammates import linked, message_of, sent_goal
 from indoor_explorers.planners.toolbox.parameters import (
     DiscountParameters,
     GainParameters,
@@ -48,8 +48,8 @@ class Aco(GainParameters, DiscountParameters, GoalBonusParameters, ReplanParamet
     with R the lidar range and d_j the path length: with probability ``greed`` the one of largest weight, and otherwise
     one drawn in proportion to them, the pseudo-random proportional rule of ant colony systems. In a gain, near and
     isolated unknown cells count more (:class:`WeightedGains`). Each UAV keeps its own field of pheromone: what others
-    lay out of contact it never learns, and places near them are left to them by :class:`OutOfContact`. Nothing else is
-    agreed: linked teammates part because each knows where the others are and where they go.
+    lay out of contact it never learns, and places near them are left to them by :class:`OutOfContact`. There is no
+    other coordination: linked teammates separate because each knows the others' cells and goals.
 
     The repelling pheromone is that of the exploration by De Rango et al., in which a robot lays it where it senses and
     goes where there is least; in colonies that look for shortest paths it attracts. Differences: the choice is of
@@ -152,7 +152,7 @@ class AntPilot(GoalPilot):
         for cell in filter(None, (view.cell, self.goal)):
             self._pheromone.lay(cell, policy.own * policy.amount)
         for mate in linked(view):
-            for cell in filter(None, (mate.cell, told_goal(mate))):
+            for cell in filter(None, (mate.cell, sent_goal(mate))):
                 self._pheromone.lay(cell, policy.amount)
         return super().act(view)
 

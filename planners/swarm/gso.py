@@ -45,7 +45,7 @@ class Gso(GainParameters, Policy):
     meet at is known already; a new glowworm starts with the luciferin at which its update rests, not at a common l_0;
     and the draw has a ``sharpness``, 1 in the paper. With ``wanted`` 5, ``adaption`` .08, ``sharpness`` 1 and ``start``
     2 it needs up to twice the steps of nearest frontiers: it draws small clusters far away. Weakness: floors of rooms,
-    where the light of a cluster says little of what is behind it.
+    where the light of a cluster says little about the space behind it.
 
     K. N. Krishnanand, D. Ghose, "Glowworm swarm optimization for simultaneous capture of multiple local optima of
     multimodal functions", Swarm Intelligence 3(2), 2009, doi:10.1007/s11721-008-0021-5; first in SIS 2005,
@@ -87,7 +87,7 @@ def brighter(luciferin: Numbers, own: float, steps: Distances, reach: float) -> 
 
 
 def adapted(reach: float, neighbours: int, wanted: int, change: float, largest: float) -> float:
-    """Return the next decision range, in cells, after a decision with so many neighbours."""
+    """Return the next decision range, in cells, after a decision with ``neighbours`` neighbours."""
     return min(largest, max(0.0, reach + change * (wanted - neighbours)))
 
 

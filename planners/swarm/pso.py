@@ -194,9 +194,9 @@ class PsoPilot(CandidatePilot):
         return optimise(problem, policy.length, seeds, policy.particles, policy.rounds, rng)
 
     def chances(self, view: View, cells: Cells, field: Distances) -> NDArray[np.float64]:
-        """Return factors on the gains of (K,) flat cells by what they lead to, (K,); cells with 0 can wait.
+        """Return factors on the gains of (K,) flat cells by their outlook, (K,); cells with 0 are deferred.
 
-        ``field`` (H, W) are the steps from the nearest UAV of the group. Here, all lead to the same.
+        ``field`` (H, W) are the steps from the nearest UAV of the group. Here, all factors are 1.
         """
         return np.ones(len(cells))
 

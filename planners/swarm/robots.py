@@ -72,7 +72,7 @@ class ParticlePilot(GoalPilot):
         self._policy = policy
         self._velocity: Vector = np.zeros(2)
         self._nearest: Cell | None = None
-        self._news_at = 0
+        self._grew_at = 0
         self._alone = False
         self._ways: dict[Cell, list[Cell]] = {}
         self._splits = self._alone_steps = 0
@@ -81,10 +81,10 @@ class ParticlePilot(GoalPilot):
         """Move with the swarm, or alone if split off."""
         self.navigator.observe(view)
         if self.map_grew:
-            self._news_at = view.step
+            self._grew_at = view.step
         if self._alone and (self.goal is None or self.is_spent(view, self.goal)):
             self._alone = not self.map_grew
-        stagnant = view.step - self._news_at >= self._policy.stagnation
+        stagnant = view.step - self._grew_at >= self._policy.stagnation
         if not self._alone and (
             stagnant or self._turned_back() or self.navigator.is_stationary
         ):  # a particle does not make way
@@ -133,7 +133,7 @@ class ParticlePilot(GoalPilot):
         policy = self._policy
         pulls = (
             (policy.cognitive, self._towards(view, self._nearest)),
-            (policy.social, self._towards(view, self._best_told(view))),
+            (policy.social, self._towards(view, self._best_sent(view))),
             (policy.obstacles, self._from_walls(view)),
             (policy.mates, self._from_mates(view)),
         )
@@ -144,9 +144,9 @@ class ParticlePilot(GoalPilot):
         along = np.where(view.legal[:4], MOVES[:4] @ self._velocity, -np.inf)
         return int(along.argmax()) if view.legal[:4].any() else int(Action.STAY)
 
-    def _best_told(self, view: View) -> Cell | None:
-        told = [message for message in (self.message, *(mate.message for mate in linked(view))) if message]
-        worth = {(int(row), int(col)): value for row, col, value in told}
+    def _best_sent(self, view: View) -> Cell | None:
+        sent = [message for message in (self.message, *(mate.message for mate in linked(view))) if message]
+        worth = {(int(row), int(col)): value for row, col, value in sent}
         return max((cell for cell in worth if not self.is_spent(view, cell)), key=worth.__getitem__, default=None)
 
     def _towards(self, view: View, goal: Cell | None) -> Vector:

@@ -68,7 +68,7 @@ class SgbaPilot(GoalPilot):
         self._heading = 0
         self._met: Cell | None = None
         self._along = 0
-        self._news_at = 0
+        self._grew_at = 0
         self._turned_at = -self._near
         self._finishing = self._held_up = 0
         self._finishes = self._detours = False
@@ -76,7 +76,7 @@ class SgbaPilot(GoalPilot):
     def act(self, view: View) -> int:
         """Run one step of the state machine: along the bearing, along a wall, or to a frontier."""
         self.navigator.observe(view)
-        if not self._finishes and self._has_had_enough(view):
+        if not self._finishes and self._is_finished(view):
             self.choose_goal(view)
             self._finishes = True
         if self._finishes:
@@ -110,11 +110,11 @@ class SgbaPilot(GoalPilot):
             self.choose_goal(view)
         return self._detours
 
-    def _has_had_enough(self, view: View) -> bool:
+    def _is_finished(self, view: View) -> bool:
         """Tell whether no cell has become known for too long, or no frontier is left."""
         if not self.map_grew:
-            return view.step - self._news_at > self._patience
-        self._news_at = view.step
+            return view.step - self._grew_at > self._patience
+        self._grew_at = view.step
         return isfinite(self._patience) and self.paths.to_frontier(view.belief, view.cell, self.rng) is None
 
     def _set_bearing(self, bearing: float) -> None:

@@ -1,4 +1,4 @@
-"""A pilot that chooses its goal alone, from what teammates in contact have told and those out of contact may do."""
+"""A pilot that chooses its goal alone, and considers its teammates by factors on the gains."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from indoor_explorers.env.grid.arrays import Cell, Distances
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.toolbox.coordination.out_of_contact import OutOfContact
 from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
-from indoor_explorers.planners.toolbox.navigation.teammates import linked, message_of, told_goal
+from indoor_explorers.planners.toolbox.navigation.teammates import linked, message_of, sent_goal
 
 
 class IndependentPilot(GoalPilot):
-    """Choose places near this UAV, or nearest frontier cells where there are none, and send the goal to teammates."""
+    """Choose a candidate near this UAV, or else the nearest frontier cell, and send the goal to the teammates."""
 
     straight = True
 
@@ -27,10 +27,10 @@ class IndependentPilot(GoalPilot):
 
     @abstractmethod
     def chosen(self, view: View) -> Cell | None:
-        """Return the place to fly to; None if none is in range."""
+        """Return the candidate to fly to; None if none is in range."""
 
     def choose(self, view: View) -> Cell | None:
-        """Return the chosen place, or the nearest frontier cell if none is in range."""
+        """Return the chosen candidate, or the nearest frontier cell if none is in range."""
         goal = self.chosen(view)
         if goal is None:
             goal = self.nearest_frontier(view)
@@ -39,7 +39,7 @@ class IndependentPilot(GoalPilot):
         return goal
 
     def tally(self) -> dict[str, float]:
-        """Return also the number of goals that were nearest frontiers because no place was in range."""
+        """Return also the number of goals that were nearest frontiers because no candidate was in range."""
         return {**super().tally(), "out_of_range": float(self._out_of_range)}
 
     def points(self, cells: NDArray[np.int32]) -> NDArray[np.float64]:
@@ -51,8 +51,8 @@ class IndependentPilot(GoalPilot):
 
         A gain loses the share ``dimming`` for each such goal within the lidar range.
         """
-        told = [goal for mate in linked(view) if (goal := told_goal(mate)) is not None]
-        goals = np.array(told, np.float64).reshape(-1, 2)
+        sent = [goal for mate in linked(view) if (goal := sent_goal(mate)) is not None]
+        goals = np.array(sent, np.float64).reshape(-1, 2)
         away = np.hypot(*(self.points(cells)[:, None, :] - goals[None, :, :]).transpose(2, 0, 1))
         return np.asarray((1.0 - dimming) ** (away <= self._lidar).sum(axis=1))
 

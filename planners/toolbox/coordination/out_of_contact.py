@@ -1,4 +1,4 @@
-"""Factors on gains that leave cells to teammates out of contact: near silent ones, and in the sectors of unheard ones.
+"""Factors on gains that leave cells to teammates out of contact: near silent ones, and in sectors of unheard ones.
 
 Any planner can multiply its gains by these factors. No factor is 0: a teammate out of contact may have ended, and the
 cells left to it are explored when no others remain.
@@ -18,7 +18,7 @@ from indoor_explorers.planners.toolbox.navigation.teammates import remembered, w
 
 #: Smallest factor of one silent teammate.
 LEAST = 1e-3
-#: Computes the steps (K,) from a cell to each of K places on the current map.
+#: Computes the steps (K,) from a cell to each of K candidates on the current map.
 StepsFrom = Callable[[Cell], Distances]
 #: Computes the steps (H, W) from a cell to all others on the map of a view.
 FieldFrom = Callable[[View, Cell], Distances]
@@ -72,7 +72,7 @@ class OutOfContact:
 
     Args:
         briefing: Briefing of the UAV.
-        silence: Lidar ranges by which a silent teammate must be closer to a place for a factor of e^-1.
+        silence: Lidar ranges by which a silent teammate must be closer to a candidate for a factor of e^-1.
         sector: Preference for the own sector while teammates were never heard; the factor on the opposite side is
             e^(-2 sector).
 
@@ -87,9 +87,9 @@ class OutOfContact:
     def factors(
         self, view: View, points: NDArray[np.float64], own_steps: Distances, steps_from: StepsFrom
     ) -> NDArray[np.float64]:
-        """Return the factors of K places, (K,) in (0, 1], for all teammates out of contact.
+        """Return the factors of K candidates, (K,) in (0, 1], for all teammates out of contact.
 
-        ``points`` (K, 2) are the places' rows and columns, ``own_steps`` (K,) their path lengths from this UAV. The
+        ``points`` (K, 2) are the candidates' rows and columns, ``own_steps`` (K,) their path lengths from this UAV. The
         first call must be made in the UAV's start cell.
         """
         left = self.left_by_unheard(view, points)
@@ -106,7 +106,7 @@ class OutOfContact:
         return self.factors(view, points, own_steps, lambda cell: field_from(view, cell).ravel()[cells])
 
     def left_by_unheard(self, view: View, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the factors of K places, (K,) in (0, 1], for teammates never heard, from the sectors alone."""
+        """Return the factors of K candidates, (K,) in (0, 1], for teammates never heard, from the sectors alone."""
         if self._sectors is None:
             self._sectors = Sectors.of(self._briefing, view.cell)
         unheard = self._briefing.team - 1 - len(view.mates)

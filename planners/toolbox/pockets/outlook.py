@@ -1,4 +1,4 @@
-"""Outlook: which frontier clusters probably lead to something, and which can wait, from estimated pockets.
+"""Outlook: which frontier clusters probably lead to unknown free cells, and which can wait, from estimated pockets.
 
 A UAV that aims at 99 % may leave 1 % unknown. Clusters that cost most steps for each cell that they probably hide are
 deferred, as long as all deferred ones together probably hide no more than what may stay unknown of the cells found so
@@ -23,7 +23,7 @@ from indoor_explorers.planners.toolbox.pockets.network import THRESHOLDS
 
 
 class EstimateUser:
-    """What a policy that uses the estimates tells of them."""
+    """Provenance of the estimates, for the policies that use them."""
 
     def provenance(self) -> dict[str, str]:
         """Return a hash of the estimates' weights."""
@@ -41,7 +41,7 @@ class OutlookParameters(Parameters):
     skip: float = bounded(0.75, least=0)
     """Most cells that deferred clusters may hide together, as a share of those that may stay unknown."""
     risk: float = bounded(0.1, least=0)
-    """Largest probability that a deferred cluster hides more than a quarter of them; coming back for it is dear."""
+    """Largest probability that a deferred cluster hides over a quarter of them, which would cost a detour later."""
     visit: float = bounded(3.0, least=0)
     """Steps that a visit costs besides the way to the cluster, in lidar ranges."""
     near: int = bounded(2, least=0)
@@ -51,7 +51,7 @@ class OutlookParameters(Parameters):
 
 
 class Outlook(NamedTuple):
-    """What to expect of K clusters."""
+    """Expectation for K clusters."""
 
     deferred: Mask
     """(K,) bool, whether the cluster can wait until no others are left."""
@@ -60,7 +60,7 @@ class Outlook(NamedTuple):
 
 
 class ClusterJudge:
-    """Tell the outlook of one UAV's clusters from what is estimated behind them."""
+    """Compute the outlook of one UAV's clusters from the estimates."""
 
     def __init__(self, briefing: Briefing, parameters: OutlookParameters) -> None:
         self._parameters = parameters

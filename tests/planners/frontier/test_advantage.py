@@ -27,7 +27,7 @@ def test_scores_are_the_formula() -> None:
     pilot = pilot_of(FrontierAdvantage(remoteness=0.5, reach=4.0), 0, (4, 30))
     view = view_of(CORRIDOR, (2, 17))
     choices = pilot.choices(view, pilot.members(view))
-    columns = (choices.places() % 30).tolist()
+    columns = (choices.viewpoints() % 30).tolist()
     assert sorted(columns) == [8, 10, 25]
     # between columns 8 and 10 are 4 steps; from 25 to the others 19 and 17, more than 4 lidar ranges of 3
     expected = {8: (4 + 12) / 2, 10: (4 + 12) / 2, 25: 12.0}

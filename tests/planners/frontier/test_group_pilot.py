@@ -107,7 +107,7 @@ def test_choices_are_what_everybody_could_fly_to() -> None:
     pilot.navigator.goal = (0, 5)
     choices = pilot.choices(view, pilot.members(view))
     assert choices.me == 0
-    assert choices.places().tolist() == [14, 5]
+    assert choices.viewpoints().tolist() == [14, 5]
     assert choices.steps.tolist() == [[UNREACHABLE, 3], [1, UNREACHABLE]]
     assert choices.held.tolist() == [[False, True], [True, False]]
     assert choices.costs(2.0)[1].tolist() == [-1.0, UNREACHABLE]

@@ -25,7 +25,7 @@ def told(policy: FrontierInformed) -> list[float]:
     belief = np.where((np.arange(24) > 2) & (np.arange(24) < 12), TRUTH, 0).astype(np.uint8)
     clusters = frontier_clusters(belief, 10.0)
     assert (clusters.cells % 24).tolist() == [3, 11]
-    return [float(size) for size in pilot_of(policy).told(np.array([2.0, 0.0]), clusters)]
+    return [float(size) for size in pilot_of(policy).reported(np.array([2.0, 0.0]), clusters)]
 
 
 def test_true_sizes_are_told_unless_they_are_to_be_wrong() -> None:

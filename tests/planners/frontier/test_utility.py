@@ -31,7 +31,7 @@ def test_scores_are_the_formulas(form: Form) -> None:
         assert sorted(gains.tolist()) == sorted(np.diff(choices.clusters.ends).tolist()) == [1, 2, 3, 4]
         expected = gains - 0.5 * steps
     else:
-        cells = [divmod(cell, 9) for cell in choices.places().tolist()]
+        cells = [divmod(cell, 9) for cell in choices.viewpoints().tolist()]
         assert gains.tolist() == [view_gain(BELIEF, cell, reach) for cell in cells]
         expected = gains - 0.5 * reach * steps if form == "difference" else gains * np.exp(-0.5 * steps / reach)
     np.testing.assert_allclose(pilot.score(gains, steps), expected)

@@ -6,7 +6,7 @@ import pytest
 
 from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.planners.sampling.roadmaps import Roadmap, grow_roadmap
-from indoor_explorers.planners.sampling.segments import ALL_KNOWN, fly
+from indoor_explorers.planners.sampling.segments import ALL_KNOWN, trace
 from tests.planners.sampling.processes import assert_same_in_any_process_and_order
 
 DIGEST = """
@@ -47,7 +47,7 @@ def test_edges_stay_in_known_free_cells() -> None:
     assert len(roadmap.edges) > 150
     for first, second in roadmap.edges.tolist():
         assert first < second
-        assert fly(belief, *roadmap.points[first], *roadmap.points[second]) == ALL_KNOWN
+        assert trace(belief, *roadmap.points[first], *roadmap.points[second]) == ALL_KNOWN
 
 
 def test_in_the_open_neighbours_are_joined() -> None:

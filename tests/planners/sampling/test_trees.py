@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from indoor_explorers.env.grid.arrays import Belief
-from indoor_explorers.planners.sampling.segments import BLOCKED, fly
+from indoor_explorers.planners.sampling.segments import BLOCKED, trace
 from indoor_explorers.planners.sampling.trees import Tree, grow_tree
 from tests.planners.sampling.processes import assert_same_in_any_process_and_order
 
@@ -72,7 +72,7 @@ def test_edges_are_short_and_clear(optimal: bool) -> None:
     assert len(tree.vertices) > 50
     for vertex, parent in zip(tree.vertices[1:], tree.parents[1:].tolist(), strict=True):
         assert np.hypot(*(vertex - tree.vertices[parent])) <= 4.0 + 1e-9
-        assert fly(belief, *tree.vertices[parent], *vertex) != BLOCKED
+        assert trace(belief, *tree.vertices[parent], *vertex) != BLOCKED
 
 
 @pytest.mark.parametrize("optimal", [False, True])

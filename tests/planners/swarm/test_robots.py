@@ -19,14 +19,14 @@ def test_pulls_follow_paths_and_pushes_lead_away() -> None:
     assert pilot._from_mates(view) == pytest.approx([0.0, 1 - 1 / 20])
 
 
-def test_the_best_told_frontier_wins() -> None:
+def test_the_best_sent_frontier_wins() -> None:
     world = world_on(np.ones((1, 31), np.bool_), [(0, 9), (0, 16)], team=2, radio__model="unlimited")
     pilots = [ParticlePilot(world.briefing(0, k), PsoRobots()) for k in range(2)]
     for k, message in enumerate([(0.0, 6.0, 1.0), (0.0, 19.0, 2.0)]):
         pilots[k].message = message
         world.post(0, k, message)
     world.step(np.array([[4, 4]]))
-    assert [pilot._best_told(world.view(0, k)) for k, pilot in enumerate(pilots)] == [(0, 19), (0, 19)]
+    assert [pilot._best_sent(world.view(0, k)) for k, pilot in enumerate(pilots)] == [(0, 19), (0, 19)]
 
 
 def test_stagnant_particles_are_split_off() -> None:

@@ -1,7 +1,4 @@
-"""Expected unknown area behind each candidate, by the frontier cluster that it is nearest to.
-
-Planners whose candidates are frontier clusters use the outlook of these; this is for viewpoints and lookouts.
-"""
+"""The outlook of candidates that are no frontier clusters: that of the nearest cluster."""
 
 from __future__ import annotations
 
@@ -17,10 +14,10 @@ from indoor_explorers.planners.toolbox.pockets.estimates import CHANGED, PocketE
 from indoor_explorers.planners.toolbox.pockets.outlook import ClusterJudge, OutlookParameters
 
 
-class Prospects:
-    """Tell what the places of one UAV lead to, from what is estimated behind the frontier clusters.
+class CandidateOutlook:
+    """Compute the probability that one UAV's candidates lead to unknown free cells.
 
-    UAVs of a team that have the same map tell the same, so that each can compute the plan of all.
+    UAVs of a team that have the same map get the same numbers, so that each can compute the plan of all.
     """
 
     def __init__(self, briefing: Briefing) -> None:
@@ -31,7 +28,7 @@ class Prospects:
     def chances(self, view: View, cells: NDArray[np.int32], field: Distances) -> NDArray[np.float64]:
         """Return the probability that each of (K,) flat cells leads to unknown free cells, (K,).
 
-        It is 0 for places of deferred clusters, unless there are no others in reach. ``field`` (H, W) are the steps
+        It is 0 for candidates of deferred clusters, unless there are no others in reach. ``field`` (H, W) are the steps
         from the UAV, or from the nearest one of a group.
         """
         clusters = frontier_clusters(view.belief, self._range)
