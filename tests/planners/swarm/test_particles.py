@@ -136,21 +136,6 @@ def test_greed_takes_the_best_pair_first() -> None:
     assert goals[first[0]] == first[1]
 
 
-@pytest.mark.parametrize("seed", range(10))
-def test_hungarian_is_the_cheapest(seed: int) -> None:
-    problem = some_task(seed, uavs=3, candidates=5)
-    steps = np.where(problem.steps < UNREACHABLE, problem.steps, 1e9)
-    cheapest = min(sum(steps[i, c] for i, c in enumerate(g)) for g in product(range(5), repeat=3) if len(set(g)) == 3)
-    if cheapest < 1e9:
-        assert steps[np.arange(3), by_hungarian(problem)].sum() == cheapest
-
-
-def test_more_uavs_than_candidates_share() -> None:
-    problem = some_task(0, uavs=5, candidates=2)._replace(steps=np.ones((5, 2)))
-    counts = np.bincount(by_hungarian(problem), minlength=2)
-    assert sorted(counts.tolist()) == [2, 3]
-
-
 def test_minpos_ranks_by_who_is_nearer() -> None:
     problem = some_task(0, uavs=2, candidates=2)._replace(steps=np.array([[1.0, 9.0], [2.0, 8.0]]))
     assert by_minpos(problem).tolist() == [0, 1]
