@@ -15,7 +15,7 @@ from indoor_explorers.env.policies.policy import Pilot
 from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.sampling.rrt_nbv import RrtNbvPilot, TreePolicy
-from indoor_explorers.planners.sampling.samples import box_around, known_cells, points_in, tree_samples
+from indoor_explorers.planners.sampling.samples import known_cells, points_in, tree_samples
 from indoor_explorers.planners.sampling.segments import entries
 from indoor_explorers.planners.sampling.trees import grow_tree
 from indoor_explorers.planners.sampling.viewpoints import Viewpoints, diverse_subset
@@ -89,10 +89,7 @@ def tree_cells(
     Each of the ``squares`` around the UAV is given by half its side in cells and its number of samples; a share
     ``bias`` of them is drawn from unknown cells next to known free ones. ``edge`` is the longest edge in cells.
     """
-    drawn = []
-    for half, count in squares:
-        low, high = box_around(view.cell, half, view.belief.shape)
-        drawn.append(tree_samples(view.belief, low, high, count, bias, rng))
+    drawn = [tree_samples(view.belief, view.cell, half, count, bias, rng) for half, count in squares]
     tree = grow_tree(view.belief, (view.cell[0] + 0.5, view.cell[1] + 0.5), np.concatenate(drawn), edge)
     cells = known_cells(view.belief, tree.vertices)
     return np.concatenate([cells[cells >= 0], entries(view.belief, *tree)])

@@ -14,7 +14,7 @@ from indoor_explorers.env.policies.policy import Pilot
 from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.search.frontiers import frontier_cells
-from indoor_explorers.planners.sampling.samples import box_around, merged, tree_samples
+from indoor_explorers.planners.sampling.samples import merged, tree_samples
 from indoor_explorers.planners.sampling.segments import entries
 from indoor_explorers.planners.sampling.trees import Tree, grow_tree
 from indoor_explorers.planners.sampling.viewpoints import ViewpointPilot, ViewpointPolicy
@@ -136,8 +136,7 @@ class RrtFrontierPilot(ViewpointPilot):
 
     def _grow(self, view: View, half: float, samples: int) -> None:
         """Grow a tree in a square around the UAV, and update the candidates."""
-        low, high = box_around(view.cell, half, view.belief.shape)
-        points = tree_samples(view.belief, low, high, samples, self._policy.bias, self.rng)
+        points = tree_samples(view.belief, view.cell, half, samples, self._policy.bias, self.rng)
         tree = grow_tree(view.belief, (view.cell[0] + 0.5, view.cell[1] + 0.5), points, self._policy.edge)
         self.trees.append(tree)
         found = np.union1d(self._candidates, entries(view.belief, *tree))

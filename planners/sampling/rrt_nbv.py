@@ -11,7 +11,7 @@ from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.policies.policy import Pilot
 from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.planners.sampling.samples import box_around, known_cells, tree_samples
+from indoor_explorers.planners.sampling.samples import known_cells, tree_samples
 from indoor_explorers.planners.sampling.setting import Points
 from indoor_explorers.planners.sampling.trees import Tree, grow_tree
 from indoor_explorers.planners.sampling.viewpoints import ViewpointPilot, ViewpointPolicy, Viewpoints
@@ -76,8 +76,8 @@ class RrtNbvPilot(ViewpointPilot):
     def grow(self, view: View) -> Tree:
         """Grow a tree near the UAV, first towards the remainder of the last best branch."""
         policy = self._policy
-        low, high = box_around(view.cell, policy.local_ranges * self.briefing.lidar_range, view.belief.shape)
-        drawn = tree_samples(view.belief, low, high, policy.samples - len(self._remainder), policy.bias, self.rng)
+        half, count = policy.local_ranges * self.briefing.lidar_range, policy.samples - len(self._remainder)
+        drawn = tree_samples(view.belief, view.cell, half, count, policy.bias, self.rng)
         root = (view.cell[0] + 0.5, view.cell[1] + 0.5)
         return grow_tree(view.belief, root, np.concatenate([self._remainder, drawn]), policy.edge, into_unknown=False)
 

@@ -13,8 +13,8 @@ from indoor_explorers.env.grid.cells import MOVES, OCCUPIED, UNKNOWN
 from indoor_explorers.env.grid.compiled import inner, leaf
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
-from indoor_explorers.planners.toolbox.navigation.teammates import claims, message_of, remembered
+from indoor_explorers.planners.toolbox.coordination.independent_pilot import IndependentPilot
+from indoor_explorers.planners.toolbox.navigation.teammates import claims, remembered
 from indoor_explorers.planners.toolbox.parameters import Parameters, bounded
 
 #: Temperatures below this are too close to the smallest floats for a gradient.
@@ -128,34 +128,29 @@ def climb(u: np.ndarray, belief: np.ndarray, row: int, col: int) -> int:
         row, col = r, c
 
 
-class HedacPilot(GoalPilot):
+class HedacPilot(IndependentPilot):
     """Update a temperature field and fly to the end of its steepest ascent."""
+
+    straight = False
+    fallback_figure = "cold_starts"
 
     def __init__(self, briefing: Briefing, policy: Hedac) -> None:
         super().__init__(briefing)
         self._policy = policy
         self._field = np.zeros(briefing.shape)
         self._heat = np.zeros(briefing.shape)
-        self._cold_starts = 0
 
-    def choose(self, view: View) -> Cell | None:
-        """Return the frontier cell at the end of the ascent, or the nearest one if there is no ascent."""
+    def chosen(self, view: View) -> Cell | None:
+        """Return the frontier cell at the end of the ascent; None if there is no ascent, or the cell is banned."""
         end = self._ascent(view)
-        goal = divmod(end, self.paths.width) if end >= 0 else None
-        if goal is None or self.near_banned(view, self.paths.flat([goal])).any():
-            goal = self.nearest_frontier(view)
-            self._cold_starts += goal is not None
-        self.message = message_of(goal)
-        return goal
-
-    def tally(self) -> dict[str, float]:
-        """Return also the number of goals that were nearest frontiers because the field had no ascent."""
-        return {**super().tally(), "cold_starts": float(self._cold_starts)}
+        if end < 0 or self.near_banned(view, np.array([end], np.int32)).any():
+            return None
+        return divmod(end, self.paths.width)
 
     def _ascent(self, view: View) -> int:
         policy = self._policy
-        claimed, reach = claims(view, self.briefing), float(self.briefing.lidar_range)
-        heat_up(view.belief, claimed, reach, 1.0 - policy.cooling, self._sinks(view), self._heat)
+        claimed = claims(view, self.briefing)
+        heat_up(view.belief, claimed, self._lidar, 1.0 - policy.cooling, self._sinks(view), self._heat)
         for done in range(1, policy.sweeps + 1):
             sweep(self._field, view.belief, self._heat, policy.loss)
             if done >= min(FIRST_SWEEPS, policy.sweeps):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,13 +18,15 @@ from indoor_explorers.planners.toolbox.navigation.teammates import linked, messa
 class IndependentPilot(GoalPilot):
     """Choose a candidate near this UAV, or else the nearest frontier cell, and send the goal to the teammates."""
 
-    straight = True
+    straight: ClassVar[bool] = True
+    fallback_figure: ClassVar[str] = "out_of_range"
+    """Name, in the tally, of the number of goals that were nearest frontiers because there was no candidate."""
 
     def __init__(self, briefing: Briefing) -> None:
         super().__init__(briefing)
         self._lidar = float(briefing.lidar_range)
         self._out_of_contact = OutOfContact(briefing)
-        self._out_of_range = 0
+        self._fallbacks = 0
 
     @abstractmethod
     def chosen(self, view: View) -> Cell | None:
@@ -34,13 +37,13 @@ class IndependentPilot(GoalPilot):
         goal = self.chosen(view)
         if goal is None:
             goal = self.nearest_frontier(view)
-            self._out_of_range += goal is not None
+            self._fallbacks += goal is not None
         self.message = message_of(goal)
         return goal
 
     def tally(self) -> dict[str, float]:
-        """Return also the number of goals that were nearest frontiers because no candidate was in range."""
-        return {**super().tally(), "out_of_range": float(self._out_of_range)}
+        """Return also the number of goals that were nearest frontiers."""
+        return {**super().tally(), self.fallback_figure: float(self._fallbacks)}
 
     def points(self, cells: NDArray[np.int32]) -> NDArray[np.float64]:
         """Return the rows and columns of (K,) flat cells, (K, 2)."""

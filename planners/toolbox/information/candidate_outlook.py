@@ -9,7 +9,7 @@ from indoor_explorers.env.grid.arrays import Distances
 from indoor_explorers.env.grid.cells import FREE, UNREACHABLE
 from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters, frontier_clusters, nearest_cells
+from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters, nearest_cells
 from indoor_explorers.planners.toolbox.pockets.estimates import CHANGED, PocketEstimator
 from indoor_explorers.planners.toolbox.pockets.outlook import ClusterJudge, OutlookParameters
 
@@ -37,7 +37,7 @@ class CandidateOutlook:
         away = nearest_cells(field, clusters)[1]
         known = int(np.count_nonzero(view.belief == FREE))
         outlook = self._judge.outlook(self._estimator.estimate(view.belief, clusters), known, away)
-        owner = nearest_clusters(cells, clusters, view.belief.shape[1])
+        owner = nearest_clusters(cells, *clusters, view.belief.shape[1])
         wanted = ~outlook.deferred[owner]
         if not (wanted & (field.ravel()[cells] < UNREACHABLE)).any():
             wanted[:] = True
@@ -45,7 +45,11 @@ class CandidateOutlook:
 
 
 @kernel()
-def _nearest_clusters(cells: np.ndarray, members: np.ndarray, ends: np.ndarray, width: int) -> np.ndarray:
+def nearest_clusters(cells: np.ndarray, members: np.ndarray, ends: np.ndarray, width: int) -> np.ndarray:
+    """Return the number of the cluster nearest to each of (K,) flat cells in a straight line, (K,).
+
+    ``members`` and ``ends`` are the arrays of :class:`~.clusters.Clusters`.
+    """
     owner = np.empty(cells.shape[0], np.int64)
     for place in range(cells.shape[0]):
         row, col = divmod(cells[place], width)
@@ -57,8 +61,3 @@ def _nearest_clusters(cells: np.ndarray, members: np.ndarray, ends: np.ndarray, 
                 if away < least:
                     owner[place], least = k, away
     return owner
-
-
-def nearest_clusters(cells: NDArray[np.int32], clusters: Clusters, width: int) -> NDArray[np.int64]:
-    """Return the number of the cluster nearest to each of (K,) flat cells as the crow flies, (K,)."""
-    return np.asarray(_nearest_clusters(cells, clusters.cells, clusters.ends, width))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from math import hypot, inf
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -87,7 +87,7 @@ def whereabouts(mate: Mate) -> Cell:
     return sent_goal(mate) or mate.cell
 
 
-def ranks(own: NDArray[np.int32], others: Sequence[NDArray[np.int32]], first: Sequence[bool]) -> NDArray[np.int64]:
+def ranks(own: NDArray[Any], others: Sequence[NDArray[Any]], first: Sequence[bool]) -> NDArray[np.int64]:
     """Return, for each of K candidates, how many UAVs rank before this one, (K,): the ranks of Bautin et al. 2012.
 
     ``own`` and each of ``others`` are (K,) distances in steps; ``first`` tells which of the others go

@@ -55,11 +55,3 @@ def test_a_linked_mate_and_its_claim_are_left_alone(name: str) -> None:
     other, view = pilot_and_view(name, (Mate(0, (4, 13 if col < 14 else 15), 0, (float(row), float(col))),))
     other.act(view)
     assert (other.message[1] < 14) != (col < 14)
-
-
-@pytest.mark.parametrize("name", PLANNERS)
-def test_a_known_map_needs_no_goal(name: str) -> None:
-    pilot, view = pilot_and_view(name)
-    known = np.ones((9, 30), np.uint8)
-    assert pilot.act(view._replace(belief=known)) == 4
-    assert pilot.message is None

@@ -55,7 +55,7 @@ def test_nearest_clusters_are_those_of_a_slow_search() -> None:
     cells = np.flatnonzero(belief.ravel() == FREE).astype(np.int32)
     rows, cols = np.divmod(clusters.cells, 30)
     owner = np.searchsorted(clusters.ends, np.arange(len(clusters.cells)), side="right") - 1
-    found = nearest_clusters(cells, clusters, 30)
+    found = nearest_clusters(cells, *clusters, 30)
     for cell, number in zip(cells.tolist(), found.tolist(), strict=True):
         away = (rows - cell // 30) ** 2 + (cols - cell % 30) ** 2
         assert away[owner == number].min() == away.min()
