@@ -16,7 +16,7 @@ from indoor_explorers.planners.toolbox.parameters import Parameters, bounded, on
 When = Literal["trips", "every", "deadline", "never"]
 #: Numbers that are added to each message: steps home, and whether the sender flies there.
 ADDED = 2
-#: Steps to spare before the deadline: this many, and one more for each of that many steps of the way.
+#: Reserve before the deadline: ``SPARE`` steps, and one more for every ``SPARE_EVERY`` steps of the path home.
 SPARE, SPARE_EVERY = 3, 8
 
 
@@ -26,8 +26,8 @@ class ReturnToBase(Parameters, Policy):
 
     Where there is no base, UAVs fly as that policy. Of UAVs in contact only the one nearest to the base flies home: it
     has their maps, which count as reported. At the latest a UAV leaves when the remaining steps
-    just suffice, or when nothing is left that it could explore. UAVs with the roles of explorers and relays are those
-    of J. de Hoog, S. Cameron, A. Visser, "Role-based autonomous multi-robot exploration", ComputationWorld 2009,
+    just suffice, or when no reachable frontier is left. UAVs with the roles of explorers and relays are from
+    J. de Hoog, S. Cameron, A. Visser, "Role-based autonomous multi-robot exploration", ComputationWorld 2009,
     doi:10.1109/ComputationWorld.2009.14; here the roles follow from the distances home, step by step.
     """
 
@@ -44,7 +44,7 @@ class ReturnToBase(Parameters, Policy):
     """``every``: steps since the last contact."""
 
     def __post_init__(self) -> None:
-        """Refuse parameters that make no sense, and take over what the explorer declares."""
+        """Check the parameters and the explorer, and take over whether the explorer reads the generator."""
         super().__post_init__()
         explorer = make_policy(self.explorer)
         if explorer.privileged:
@@ -63,7 +63,7 @@ class ReturnPilot(Pilot):
     def __init__(self, briefing: Briefing, policy: ReturnToBase, explorer: Policy, pilot: Pilot) -> None:
         self._policy, self._explorer, self._pilot = policy, explorer, pilot
         self._briefing = briefing
-        # draws of its own, so that the explorer's are those that it makes alone
+        # a generator of its own, so that the explorer draws the same numbers as alone
         self._navigator = Navigator(replace(briefing, rng=briefing.rng.spawn(1)[0]))
         self._rng = briefing.rng.spawn(1)[0]
         self._returning = False
@@ -83,7 +83,7 @@ class ReturnPilot(Pilot):
         self._observe(view)
         self._decide(view)
         if view.base_age == 0 and self._is_late(view):
-            action = int(Action.STAY)  # what it could see now it could not report
+            action = int(Action.STAY)  # new cells could no longer be reported
         elif self._returning:
             action = self._fly_home(view)
         else:

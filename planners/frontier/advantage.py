@@ -22,7 +22,7 @@ class FrontierAdvantage(SwitchCostParameters, Policy):
     """Fly to the cluster with the largest advantage: its mean distance from the other clusters, minus the path to it.
 
     L. Ericson, J. Pedro, P. Jensfelt, "Information gain is not all you need", arXiv:2504.01980, 2025. A cluster that is
-    far from all others would cost a detour later; what it hides plays no role. Distances above ``reach`` count as
+    far from all others would cost a detour later; the area behind it plays no role. Distances above ``reach`` count as
     ``reach``. Teams take the clusters in turn as in :mod:`indoor_explorers.planners.frontier.burgard`.
     """
 

@@ -1,4 +1,4 @@
-"""Frontier clusters in short sequences, chosen jointly by the group and weighed against what they leave behind."""
+"""Frontier clusters in short sequences, chosen jointly by the group, against the cost of the clusters left behind."""
 
 from __future__ import annotations
 

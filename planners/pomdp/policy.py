@@ -55,12 +55,12 @@ class Pomdp(EstimateUser, DiscountParameters, GoalBonusParameters, ReplanParamet
     are worth less, as are those left to teammates out of contact (:class:`OutOfContact`).
 
     Differences: new completions are drawn for every plan from the present belief, where POMCP filters particles by the
-    observations; an observation is the class of size of what a macro action has shown, since scans of completions never
-    repeat; and the returns of all first actions are averaged over the same completions.
+    observations; an observation is the class of size of a macro action's newly known area, since scans of completions
+    never repeat; and the returns of all first actions are averaged over the same completions.
 
-    Weaknesses: rollouts to nearest frontiers hide what a first action is worth. Even with the true map as the only
-    completion it was only about as fast as ``frontier`` in rooms; with those of the estimates it is slower to 99 %, and
-    a plan takes several times as long.
+    Weaknesses: rollouts to nearest frontiers blur the differences between first actions. Even with the true map as the
+    only completion it was only about as fast as ``frontier`` in rooms; with estimated completions it is slower to 99 %,
+    and a plan takes several times as long.
 
     D. Silver, J. Veness, "Monte-Carlo planning in large POMDPs", NeurIPS 2010. Exploration as a POMDP by forward
     simulation: M. Lauri, R. Ritala, "Planning for robotic exploration based on forward simulation", Robotics and
@@ -82,7 +82,7 @@ class Pomdp(EstimateUser, DiscountParameters, GoalBonusParameters, ReplanParamet
     horizon: float = bounded(6.0, least=1)
     """Simulated steps, in lidar ranges."""
     discount_rate: float = 1.2
-    """Discount rate of what becomes known, per lidar range of flight."""
+    """Discount rate of newly known cells, per lidar range of flight."""
     exploration: float = bounded(1.0, least=0)
     """Factor of the confidence bounds, in units of the range of returns."""
     isolation: float = bounded(16.0, least=0)
@@ -172,7 +172,7 @@ class Window:
         return np.asarray((rows - self._top) * self.belief.shape[1] + cols - self._left, np.int32)
 
     def clusters(self, clusters: Clusters) -> Clusters:
-        """Return the clusters with those of their cells that are in this part; some may have none."""
+        """Return the clusters with their cells in this part alone; some may have none."""
         rows, cols = np.divmod(clusters.cells, self._width)
         height, width = self.belief.shape
         inside = (rows >= self._top) & (rows < self._top + height) & (cols >= self._left) & (cols < self._left + width)

@@ -51,7 +51,7 @@ class Optimum(Parameters, Policy):
     Where it does not end within its effort, on larger maps and for larger teams, the routes of `reference` are flown.
     Statistics say for every episode whether the optimum is proved (``proved``, 1 or 0) and, where there was a search,
     the certified ``lower_bound`` on the steps to the aim and the effort, ``expansions``. UAVs may share a cell in the
-    search, so two that meet may fly longer than what is proved.
+    search, so two that meet may need more steps than the proved number.
 
     The effort counts expanded states, not seconds, so that every machine finds the same routes: some 0.2 s in a room of
     the thesis for one UAV, one to ten seconds for two.

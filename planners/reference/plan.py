@@ -61,7 +61,7 @@ class PlanRequest(NamedTuple):
     """Which cells need not be seen, (H, W) bool; empty for none. If any are given, a coverage says which share of the
     reachable cells may be missing of the others."""
     others: Track = ()
-    """Cells that other UAVs will be in: what they show there is not planned for."""
+    """Cells that other UAVs will be in; cells in view of them are not planned for."""
 
 
 class SearchBudget(NamedTuple):

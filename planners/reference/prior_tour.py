@@ -45,10 +45,10 @@ class PriorTour(Parameters, Policy):
 
     The map planned on is the prior, with every cell that has been seen as it was seen. Linked UAVs work out the same
     routes by themselves, from the map and the cells that they share: when they meet, and when the map planned on has
-    proved wrong, at once where it blocks one of their routes, else some steps after the last plan. What the routes of
-    teammates out of contact would show is left to them at first. A UAV whose route is complete goes on with routes that
+    proved wrong, at once where it blocks one of their routes, else some steps after the last plan. Cells in view of the
+    routes of teammates out of contact are left to them at first. A UAV whose route is complete goes on with routes that
     show the walls, behind which there may be more than the prior says, and then all that the teammates should have
-    seen. `frontier` explores what is left, where a route is blocked, and while too much of what was seen contradicts
+    seen. `frontier` explores what is left, where a route is blocked, and while too many known cells contradict
     the prior; so every reachable cell becomes known, whatever the prior says. Without a prior this is `frontier`.
 
     A tour over what is known of the layout, and frontiers where that ends, are those of S. Oßwald, M. Bennewitz,
@@ -67,7 +67,7 @@ class PriorTour(Parameters, Policy):
     work: int = bounded(100_000_000, least=1)
     """The same in words joined, 64 cells at most each: bounds the time on large maps."""
     period: float = bounded(1.0, least=0)
-    """Steps from a plan to the next, in lidar ranges, if what was seen contradicts it and no route is blocked."""
+    """Steps from a plan to the next, in lidar ranges, if known cells contradict it and no route is blocked."""
     distrust: float = bounded(0.25, least=0)
     """Share of the known cells that contradict the prior above which only frontiers are flown to."""
 
@@ -119,7 +119,7 @@ class PriorTourPilot(RoutePilot):
         return action
 
     def _correct_map(self, view: View) -> None:
-        """Correct the map by what is known."""
+        """Correct the map by the known cells."""
         self._grew_at = view.step
         self.cells = np.where(view.belief == UNKNOWN, self._prior, view.belief)
         self._surprised = self._planned is not None and bool((self.cells != self._planned).any())

@@ -9,8 +9,8 @@ linear program instead: the prices of cells for which no walk earns more than it
 depth-first search that leaves a state as soon as too little can be earned
 (:mod:`indoor_explorers.planners.reference.watchman_search`).
 
-UAVs may share a cell here and pass through each other, which can only be quicker: what is proved is a lower bound for
-every team, and what is flown may take longer where two UAVs meet.
+UAVs may share a cell here and pass through each other, which can only be quicker: the proved number is a lower bound
+for every team, and flights may take longer where two UAVs meet.
 """
 
 from __future__ import annotations
@@ -53,12 +53,12 @@ class Watch(NamedTuple):
     """A task: see enough cells."""
 
     table: VisibilityTable
-    """What the map's cells show; the first ``team`` cells are the starts."""
+    """The views from the map's cells; the first ``team`` cells are the starts."""
     team: int
     known: NDArray[np.uint64]
-    """(T,) cells seen before, without those in view from the starts."""
+    """(T,) cells seen before, without the views from the starts."""
     needed: int
-    """How many cells must be seen in the end, those seen before included."""
+    """Number of cells that must be seen in the end, including those seen before."""
 
 
 class Solution(NamedTuple):

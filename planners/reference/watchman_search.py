@@ -29,7 +29,7 @@ class Prices(NamedTuple):
     views: NDArray[np.uint64]
     """(M, W) the cells in view from each cell of the map."""
     earned: NDArray[np.int64]
-    """(T + 1, S) the most that a UAV in each state can earn in T steps, forgotten cells counted again."""
+    """(T + 1, S) the most that a UAV in each state can earn in 0 to T steps, forgotten cells counted again."""
     cells: int
     """K."""
     missable: int
@@ -168,7 +168,7 @@ def _is_new(visited: Visited, seen: np.ndarray, place: np.ndarray, turn: int, mo
 
 @leaf(entry=False)
 def _insert(tree: Branches, depth: int, state: int, slack: int) -> None:
-    """Insert a state into the choices, which are in order of what they have to spare."""
+    """Insert a state into the choices, which are in order of their slack."""
     choice, spare, k = tree.choice[depth], tree.spare[depth], tree.left[depth]
     while k > 0 and spare[k - 1] > slack:
         choice[k], spare[k] = choice[k - 1], spare[k - 1]
@@ -179,7 +179,7 @@ def _insert(tree: Branches, depth: int, state: int, slack: int) -> None:
 
 @leaf(entry=False)
 def _branch(graph: WalkGraph, prices: Prices, tree: Branches, depth: int, moves: int) -> None:
-    """List the moves of the next UAV after which enough can still be earned in what is left of ``moves``."""
+    """List the moves of the next UAV after which enough can still be earned in the rest of ``moves``."""
     place, team = tree.place[depth], tree.place.shape[1]
     turn, steps = depth % team, moves // team - depth // team
     others = np.int64(0)

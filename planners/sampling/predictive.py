@@ -45,7 +45,7 @@ class RrtPredictivePilot(RrtFrontierPilot):
         self._candidate_outlook = CandidateOutlook(briefing)
 
     def judged(self, view: View, cells: NDArray[np.int32]) -> Viewpoints:
-        """Return those of (K,) flat cells that are reachable, not banned, have a gain, and need not wait."""
+        """Return the viewpoints among (K,) flat cells: reachable, not banned or deferred, and with a gain."""
         found = super().judged(view, cells)
         chances = self._candidate_outlook.chances(view, found.cells, self.steps_from(view, view.cell))
         return found._replace(gains=found.gains * chances).selected(chances > 0.0)

@@ -45,7 +45,7 @@ class RrtAep(GoalBonusParameters, TreePolicy):
     ``take_turns`` does this. Without it, a tree is grown near the UAV, densest around it, and from time to time one
     over the whole map. The next viewpoint is chosen among all new and stored ones as
     :class:`~indoor_explorers.planners.frontier.joint.FrontierJoint` chooses among frontier clusters: the best short
-    sequence, minus the cost of all that it leaves behind, linked UAVs in turn. ``share`` and ``switch_cost`` only
+    sequence, minus the cost of the viewpoints left behind, linked UAVs in turn. ``share`` and ``switch_cost`` only
     affect ``take_turns``, ``goal_bonus`` only the choice without it.
 
     M. Selin, M. Tiger, D. Duberg, F. Heintz, P. Jensfelt, "Efficient autonomous exploration planning of large-scale
@@ -66,7 +66,7 @@ class RrtAep(GoalBonusParameters, TreePolicy):
     lookouts: int = bounded(8, least=0)
     """Most other viewpoints near a UAV of the group to choose from."""
     order: float = bounded(0.3, least=0)
-    """Weight of the cost of what a sequence leaves behind, per lidar range, against the logarithm of its value."""
+    """Weight of the cost of the clusters that a sequence leaves behind, per lidar range, against log(value)."""
     latency: float = bounded(3.0, least=0)
     """Weight of the mean waiting time relative to the length in that cost."""
     take_turns: bool = False

@@ -83,5 +83,5 @@ def read_graph(planner: Any, information: Any) -> tuple[list[tuple[float, float]
 
 
 def _anywhere(state: Any) -> bool:
-    """Accept every state: edges are what is checked."""
+    """Accept every state, as the edges are checked."""
     return True

@@ -129,7 +129,7 @@ class ViewpointPilot(GoalPilot):
         return super().tally() | {"fallbacks": float(self._fallbacks)}
 
     def judged(self, view: View, cells: NDArray[np.int32]) -> Viewpoints:
-        """Return those of (K,) flat cells that are reachable, not banned, and have a gain."""
+        """Return the viewpoints among (K,) flat cells: reachable, not banned, and with a gain."""
         field = self.steps_from(view, view.cell)
         cells = cells[(field.ravel()[cells] < UNREACHABLE) & ~view.visited.ravel()[cells]]
         cells = cells[~self.near_banned(view, cells)]

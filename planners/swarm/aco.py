@@ -47,9 +47,10 @@ class Aco(GainParameters, DiscountParameters, GoalBonusParameters, ReplanParamet
 
     with R the lidar range and d_j the path length: with probability ``greed`` the one of largest weight, and otherwise
     one drawn in proportion to them, the pseudo-random proportional rule of ant colony systems. In a gain, near and
-    isolated unknown cells count more (:class:`WeightedGains`). Each UAV keeps its own field of pheromone: what others
-    lay out of contact it never learns, and places near them are left to them by :class:`OutOfContact`. There is no
-    other coordination: linked teammates separate because each knows the others' cells and goals.
+    isolated unknown cells count more (:class:`WeightedGains`). Each UAV keeps its own field of pheromone: it never
+    learns of pheromone laid out of contact, and clusters near those teammates are left to them by
+    :class:`OutOfContact`. There is no other coordination: linked teammates separate because each knows the others'
+    cells and goals.
 
     The repelling pheromone is that of the exploration by De Rango et al., in which a robot lays it where it senses and
     goes where there is least; in colonies that look for shortest paths it attracts. Differences: the choice is of
@@ -170,7 +171,7 @@ class AntPilot(GoalPilot):
         return goal
 
     def _worth(self, view: View, cells: NDArray[np.int32], steps: NDArray[np.int32]) -> Numbers:
-        """Return what (K,) flat cells, ``steps`` away, are worth, without pheromone, (K,)."""
+        """Return the worth of (K,) flat cells, ``steps`` away, without pheromone, (K,)."""
         left = self._out_of_contact.at_cells(view, cells, steps, self.steps_from)
         worth = (
             left

@@ -41,11 +41,11 @@ class Gso(GainParameters, Policy):
     teammates out of contact are left to them by :class:`OutOfContact`.
 
     Differences: frontier clusters take the place of most of the swarm; a UAV flies the whole path to a neighbour, not
-    one step, since new draws at every step make it oscillate; UAVs do not attract each other, since what they would
-    meet at is known already; a new glowworm starts with the luciferin at which its update rests, not at a common l_0;
-    and the draw has a ``sharpness``, 1 in the paper. With ``wanted`` 5, ``adaption`` .08, ``sharpness`` 1 and ``start``
-    2 it needs up to twice the steps of nearest frontiers: it draws small clusters far away. Weakness: floors of rooms,
-    where the light of a cluster says little about the space behind it.
+    one step, since new draws at every step make it oscillate; UAVs do not attract each other, since the cells where
+    they would meet are known already; a new glowworm starts with the luciferin at which its update rests, not at a
+    common l_0; and the draw has a ``sharpness``, 1 in the paper. With ``wanted`` 5, ``adaption`` .08, ``sharpness`` 1
+    and ``start`` 2 it needs up to twice the steps of nearest frontiers: it draws small clusters far away. Weakness:
+    floors of rooms, where the light of a cluster says little about the space behind it.
 
     K. N. Krishnanand, D. Ghose, "Glowworm swarm optimization for simultaneous capture of multiple local optima of
     multimodal functions", Swarm Intelligence 3(2), 2009, doi:10.1007/s11721-008-0021-5; first in SIS 2005,
@@ -59,7 +59,7 @@ class Gso(GainParameters, Policy):
     enhancement: float = bounded(0.6, least=0)
     """Luciferin gained for each weighted cell in view (paper: gamma); it scales all luciferin alike."""
     wanted: int = bounded(1, least=1)
-    """Neighbours that the decision range adapts to (paper: n_t, 5). With more, UAVs fly past what is near."""
+    """Neighbours that the decision range adapts to (paper: n_t, 5). With more, UAVs fly past near clusters."""
     adaption: float = bounded(0.5, least=0)
     """Change of the decision range for each neighbour too many or too few, in lidar ranges (paper: beta, .08)."""
     sensor: float = bounded(8.0, least=0)

@@ -109,7 +109,7 @@ class Pso(GainParameters, DiscountParameters, GoalBonusParameters, ReplanParamet
 
 
 class JointPlan(NamedTuple):
-    """A joint plan of N UAVs, and what it was made from."""
+    """A joint plan of N UAVs, and its inputs."""
 
     problem: AssignmentProblem
     cells: Assignment

@@ -1,4 +1,4 @@
-"""Parameters of planners: their bounds, declared with the field, and those that planners share, each with one unit.
+"""Parameters of planners: declarations with bounds, and the parameters that planners share, each with one unit.
 
 A policy takes the mixins whose parameters it has, and repeats a field where its default is another one.
 """
@@ -22,7 +22,7 @@ class Bounds(NamedTuple):
     most: float
 
     def refusal(self, value: object) -> str:
-        """Return what was expected instead of a value; empty if the value is allowed."""
+        """Return the expectation that a value fails, for an error message; empty if the value is allowed."""
         if isinstance(value, int | float) and isfinite(value) and self.least <= value <= self.most:
             return ""
         return f"of at least {self.least:g}" + (f" and at most {self.most:g}" if self.most < inf else "")
@@ -32,7 +32,7 @@ class Options(tuple[str, ...]):
     """The words that a parameter may have."""
 
     def refusal(self, value: object) -> str:
-        """Return what was expected instead of a value; empty if the value is allowed."""
+        """Return the expectation that a value fails, for an error message; empty if the value is allowed."""
         return "" if value in self else f"to be one of {', '.join(self)}"
 
 
@@ -47,13 +47,13 @@ def one_of(default: T, options: Sequence[str]) -> T:
 
 
 def declared(kind: type) -> Mapping[str, Bounds | Options]:
-    """Return what a class and its bases allow, by parameter; a field that is repeated as it is keeps its bounds."""
+    """Return the bounds and options of a class's parameters; a field repeated with a plain default keeps them."""
     fields = [each for base in reversed(kind.__mro__) for each in vars(base).get("__dataclass_fields__", {}).values()]
     return {each.name: each.metadata["allowed"] for each in fields if "allowed" in each.metadata}
 
 
 class Parameters:
-    """Base class of policies that checks what :func:`bounded` and :func:`one_of` declare."""
+    """Base class of policies that checks the declarations by :func:`bounded` and :func:`one_of`."""
 
     def __post_init__(self) -> None:
         """Check the parameters.

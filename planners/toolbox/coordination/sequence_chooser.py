@@ -104,7 +104,7 @@ class SequenceChooser:
     def first(self, problem: DecisionProblem, me: int, factors: NDArray[np.float64]) -> int:
         """Return the index of the candidate that UAV ``me`` gets, after the turns of all UAVs with a better choice.
 
-        ``factors`` (K,) are those of the candidates for teammates out of contact.
+        ``factors`` (K,) are the candidates' factors for teammates out of contact.
         """
         parameters, left, waiting = self._parameters, problem.gains, list(range(len(problem.away)))
         while True:

@@ -63,7 +63,7 @@ class PlaceCells(NamedTuple):
     """The possible viewpoints of K clusters."""
 
     clusters: Clusters
-    """All K clusters, those out of reach too."""
+    """All K clusters, unreachable ones included."""
     away: Distances
     """(K,) steps to the nearest cell of each cluster, ``UNREACHABLE`` without a known path."""
     cells: NDArray[np.int32]

@@ -17,7 +17,7 @@ from indoor_explorers.env.search.bfs import flood_table
 from indoor_explorers.env.search.bitsets import Bits, holds, insert
 from indoor_explorers.env.sensing.lidar import LidarModel, Scan, lidar_model, new_scan, visible_cells
 
-#: Steps up to which views are joined; what takes longer counts as this far.
+#: Steps up to which views are joined; larger distances count as this many steps.
 FARTHEST = 40
 #: In an array of obstacles, a cell of which nothing is noted yet.
 NOT_NOTED = 255
@@ -65,9 +65,10 @@ def update_views(
 ) -> bool:
     """Bring views and neighbours up to date with the obstacles of a (H, W) belief; return whether those have changed.
 
-    ``views`` (C, W) uint64 holds what is visible from each cell, nothing from an obstacle, and ``neighbours`` (C, 4)
-    int32 its neighbours that are no obstacles, -1 for none. ``obstacles`` (H, W) uint8 keeps those noted before, at
-    first ``NOT_NOTED``; ``stale``, as large at least, is scratch. ``reach`` is more than the lidar's range in cells.
+    ``views`` (C, W) uint64 holds the cells visible from each cell, none from an obstacle, and ``neighbours`` (C, 4)
+    int32 its neighbours that are no obstacles, -1 for none. ``obstacles`` (H, W) uint8 keeps the obstacles noted
+    before, at first ``NOT_NOTED``; ``stale``, as large at least, is scratch. ``reach`` is more than the lidar's range
+    in cells.
     """
     if not _note_obstacles(belief, reach, obstacles, stale):
         return False

@@ -114,7 +114,7 @@ def _weighted(
 
 @kernel(entry=False)
 def _bring_up_to_date(old: np.ndarray, new: np.ndarray) -> tuple[int, int, int, int]:
-    """Copy ``new`` to ``old``; return the box around what has changed as rows and columns, the ends excluded."""
+    """Copy ``new`` to ``old``; return the box around the changed cells as rows and columns, the ends excluded."""
     top, bottom, left, right = new.shape[0], 0, new.shape[1], 0
     for r in range(new.shape[0]):
         for c in range(new.shape[1]):

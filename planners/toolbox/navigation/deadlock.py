@@ -1,4 +1,4 @@
-"""Deadlock resolution: what a UAV does when a teammate is in its way.
+"""Deadlock resolution: detours and retreats of a UAV when a teammate is in its way.
 
 Teammates are not in the map, and without radio a UAV does not know of them: the only sign is a move that failed. This
 also happens in a convoy, so the first failed move is ignored. From the second one on the UAV decides at random to

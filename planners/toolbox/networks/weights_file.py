@@ -1,8 +1,8 @@
 """Weights files: one format for the networks of all planners and learners.
 
 A file holds a network's arrays by name (safetensors, float32 or float16) and in its metadata, under ``about``, a JSON
-object with what else flying the network needs. A network declares the shapes of its arrays; a file that holds others is
-refused.
+object with the metadata for flying the network. A network declares the shapes of its arrays; a file that holds others
+is refused.
 """
 
 from __future__ import annotations

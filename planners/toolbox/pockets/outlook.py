@@ -1,8 +1,8 @@
 """Outlook: which frontier clusters probably lead to unknown free cells, and which can wait, from estimated pockets.
 
-A UAV that aims at 99 % may leave 1 % unknown. Clusters that cost most steps for each cell that they probably hide are
-deferred, as long as all deferred ones together probably hide no more than what may stay unknown of the cells found so
-far. What may stay unknown of the whole map would be used up early, and be missing later.
+A UAV that aims at 99 % may leave 1 % unknown. Clusters with the most steps per expected cell are deferred, as long as
+the expected cells of all deferred ones are no more than the allowance: 1 % of the cells found so far. An allowance of
+1 % of the whole map would be used up early, and be missing later.
 """
 
 from __future__ import annotations
@@ -39,11 +39,11 @@ class OutlookParameters(Parameters):
     """Parameters of the outlook."""
 
     skip: float = bounded(0.75, least=0)
-    """Most cells that deferred clusters may hide together, as a share of those that may stay unknown."""
+    """Most expected cells of all deferred clusters, as a share of the cells that may stay unknown."""
     risk: float = bounded(0.1, least=0)
-    """Largest probability that a deferred cluster hides over a quarter of them, which would cost a detour later."""
+    """Largest probability that a deferred cluster hides over a quarter of the cells that may stay unknown."""
     visit: float = bounded(3.0, least=0)
-    """Steps that a visit costs besides the way to the cluster, in lidar ranges."""
+    """Steps that a visit costs besides the path to the cluster, in lidar ranges."""
     near: int = bounded(2, least=0)
     """Steps within which a cluster is never deferred."""
     aim: float = bounded(0.99, least=0)

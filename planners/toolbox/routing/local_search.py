@@ -104,7 +104,7 @@ def improve(
 ) -> float:
     """Improve an ``order`` (L,) of some of K places in place, keeping its first place; return its cost.
 
-    The other arrays are those of :func:`cost_of`.
+    The other arrays are as in :func:`cost_of`.
     """
     count = order.shape[0]
     cost = cost_of(order, start, between, weights, objective)

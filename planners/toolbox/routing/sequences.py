@@ -63,7 +63,7 @@ def _best(
     values: np.ndarray,
     sequences: np.ndarray,
 ) -> None:
-    """Fill what :func:`best_sequences` returns; values are 0 and sequences -1 at first."""
+    """Fill the results of :func:`best_sequences`; values are 0 and sequences -1 at first."""
     count = away.shape[0]
     power, rate, trust = utility
     largest = 0.0
