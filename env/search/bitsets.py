@@ -49,6 +49,12 @@ def bit_count(word: np.uint64) -> np.uint64:
     return (word * np.uint64(0x0101010101010101)) >> np.uint64(56)
 
 
+@inner()
+def lowest(word: np.uint64) -> int:
+    """Return the number of the lowest one in a word that has one."""
+    return int(np.int64(bit_count((word & (~word + _ONE)) - _ONE)))
+
+
 def packed(mask: Mask) -> Bits:
     """Return the cells where a (H, W) or flat mask is set, as bits."""
     cells = np.zeros(-(-mask.size // 64) * 64, np.bool_)

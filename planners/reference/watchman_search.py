@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.compiled import kernel, leaf
-from indoor_explorers.env.search.bitsets import bit_count
+from indoor_explorers.env.search.bitsets import lowest
 from indoor_explorers.env.search.walk_graph import WalkGraph
 
 #: Outcomes of a search.
@@ -102,12 +102,6 @@ def most_earned(graph: WalkGraph, price: np.ndarray, steps: int) -> np.ndarray:
 
 
 @leaf(entry=False)
-def _lowest(word: np.uint64) -> int:
-    """Return the place of the lowest one in a word that has one."""
-    return int(np.int64(bit_count((word & (~word + _ONE)) - _ONE)))
-
-
-@leaf(entry=False)
 def _look(prices: Prices, cell: int, seen: np.ndarray, after: np.ndarray) -> tuple[int, int]:
     """Write ``seen`` (W,) with the view from a cell to ``after`` (W,); return the number and worth of the new cells."""
     count, worth = 0, np.int64(0)
@@ -115,7 +109,7 @@ def _look(prices: Prices, cell: int, seen: np.ndarray, after: np.ndarray) -> tup
         new = prices.views[cell, w] & ~seen[w]
         after[w] = seen[w] | new
         while new != 0:
-            worth += prices.price[64 * w + _lowest(new)]
+            worth += prices.price[64 * w + lowest(new)]
             count += 1
             new &= new - _ONE
     return count, int(worth)
@@ -128,7 +122,7 @@ def _most_valuable_unseen(prices: Prices, seen: np.ndarray) -> int:
     for w in range(seen.shape[0]):
         missing = ~seen[w]
         while missing != 0 and left > 0:
-            worth += prices.price[64 * w + _lowest(missing)]
+            worth += prices.price[64 * w + lowest(missing)]
             missing &= missing - _ONE
             left -= 1
     return int(worth)

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import networkx as nx
 import numpy as np
 
 from indoor_explorers.env import Mate, Policy, View, World, scenario
@@ -94,6 +95,13 @@ def world_on(free: Mask, spawns: Sequence[Cell] | None = None, seed: int = 0, **
 def view_of(belief: np.ndarray, cell: Cell, mates: tuple[Mate, ...] = (), step: int = 100) -> View:
     """What a UAV in a cell knows: a map of which it has visited nothing, and its teammates."""
     return View(belief, cell, np.ones(5, np.bool_), step, 400, mates, np.zeros(belief.shape, np.bool_))
+
+
+def graph_of(passable: Mask) -> nx.Graph[Cell]:
+    """The graph of the cells of a mask, each joined to its neighbours, by networkx."""
+    graph: nx.Graph[Cell] = nx.grid_2d_graph(*passable.shape)
+    graph.remove_nodes_from([(row, col) for row, col in np.argwhere(~passable).tolist()])
+    return graph
 
 
 def _end(world: World, ends: dict[int, int] | None) -> None:

@@ -14,16 +14,11 @@ from indoor_explorers.env.search.bfs import distance_field
 from indoor_explorers.env.search.frontiers import frontier_cells, frontier_mask, on_frontier
 from indoor_explorers.planners.toolbox.navigation.paths import Paths, count_known
 from indoor_explorers.planners.toolbox.navigation.straight_paths import straight_path
-
-
-def grid_graph(belief: Belief) -> nx.Graph[Cell]:
-    graph: nx.Graph[Cell] = nx.grid_2d_graph(*belief.shape)
-    graph.remove_nodes_from([(r, c) for r, c in np.argwhere(belief != FREE).tolist()])
-    return graph
+from tests.planners.flights import graph_of
 
 
 def lengths(belief: Belief, start: Cell) -> dict[Cell, int]:
-    return dict(nx.single_source_shortest_path_length(grid_graph(belief), start))
+    return dict(nx.single_source_shortest_path_length(graph_of(belief == FREE), start))
 
 
 def assert_is_path(belief: Belief, path: list[Cell]) -> None:
@@ -46,7 +41,7 @@ def test_all_pairs_agree_with_scipy(belief: Belief) -> None:
     numbers = {int(cell): k for k, cell in enumerate(free)}
     width = belief.shape[1]
     graph = lil_array((len(free), len(free)), dtype=np.int8)
-    for (row, col), (r, c) in grid_graph(belief).edges:
+    for (row, col), (r, c) in graph_of(belief == FREE).edges:
         graph[numbers[row * width + col], numbers[r * width + c]] = 1
     expected = np.minimum(shortest_path(graph.tocsr(), directed=False, unweighted=True), UNREACHABLE)
     paths = Paths((belief.shape[0], belief.shape[1]))
@@ -78,7 +73,7 @@ def test_paths_are_shortest(belief: Belief, start: Cell) -> None:
 
 def test_barred_cells_are_not_entered(belief: Belief, start: Cell) -> None:
     paths = Paths((belief.shape[0], belief.shape[1]))
-    graph = grid_graph(belief)
+    graph = graph_of(belief == FREE)
     for barred in list(graph.neighbors(start)):
         without = graph.copy()
         without.remove_node(barred)
