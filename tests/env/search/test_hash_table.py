@@ -3,7 +3,7 @@
 import numpy as np
 
 from indoor_explorers.env.grid.compiled import kernel
-from indoor_explorers.planners.toolbox.hash_table import PROBES, is_new
+from indoor_explorers.env.search.bitsets import PROBES, is_new
 
 
 @kernel()

@@ -1,7 +1,4 @@
-"""Expected unknown area behind each candidate, by the frontier cluster that it is nearest to.
-
-Planners whose candidates are frontier clusters use the outlook of these; this is for viewpoints and lookouts.
-"""
+"""The outlook of candidates that are no frontier clusters: that of the nearest cluster."""
 
 from __future__ import annotations
 
@@ -12,15 +9,15 @@ from indoor_explorers.env.grid.arrays import Distances
 from indoor_explorers.env.grid.cells import FREE, UNREACHABLE
 from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters, frontier_clusters, nearest_cells
+from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters, nearest_cells
 from indoor_explorers.planners.toolbox.pockets.estimates import CHANGED, PocketEstimator
 from indoor_explorers.planners.toolbox.pockets.outlook import ClusterJudge, OutlookParameters
 
 
-class Prospects:
-    """Tell what the places of one UAV lead to, from what is estimated behind the frontier clusters.
+class CandidateOutlook:
+    """Compute the probability that one UAV's candidates lead to unknown free cells.
 
-    UAVs of a team that have the same map tell the same, so that each can compute the plan of all.
+    UAVs of a team that have the same map get the same numbers, so that each can compute the plan of all.
     """
 
     def __init__(self, briefing: Briefing) -> None:
@@ -31,7 +28,7 @@ class Prospects:
     def chances(self, view: View, cells: NDArray[np.int32], field: Distances) -> NDArray[np.float64]:
         """Return the probability that each of (K,) flat cells leads to unknown free cells, (K,).
 
-        It is 0 for places of deferred clusters, unless there are no others in reach. ``field`` (H, W) are the steps
+        It is 0 for candidates of deferred clusters, unless there are no others in reach. ``field`` (H, W) are the steps
         from the UAV, or from the nearest one of a group.
         """
         clusters = frontier_clusters(view.belief, self._range)
@@ -40,7 +37,7 @@ class Prospects:
         away = nearest_cells(field, clusters)[1]
         known = int(np.count_nonzero(view.belief == FREE))
         outlook = self._judge.outlook(self._estimator.estimate(view.belief, clusters), known, away)
-        owner = nearest_clusters(cells, clusters, view.belief.shape[1])
+        owner = nearest_clusters(cells, *clusters, view.belief.shape[1])
         wanted = ~outlook.deferred[owner]
         if not (wanted & (field.ravel()[cells] < UNREACHABLE)).any():
             wanted[:] = True
@@ -48,7 +45,11 @@ class Prospects:
 
 
 @kernel()
-def _nearest_clusters(cells: np.ndarray, members: np.ndarray, ends: np.ndarray, width: int) -> np.ndarray:
+def nearest_clusters(cells: np.ndarray, members: np.ndarray, ends: np.ndarray, width: int) -> np.ndarray:
+    """Return the number of the cluster nearest to each of (K,) flat cells in a straight line, (K,).
+
+    ``members`` and ``ends`` are the arrays of :class:`~.clusters.Clusters`.
+    """
     owner = np.empty(cells.shape[0], np.int64)
     for place in range(cells.shape[0]):
         row, col = divmod(cells[place], width)
@@ -60,8 +61,3 @@ def _nearest_clusters(cells: np.ndarray, members: np.ndarray, ends: np.ndarray, 
                 if away < least:
                     owner[place], least = k, away
     return owner
-
-
-def nearest_clusters(cells: NDArray[np.int32], clusters: Clusters, width: int) -> NDArray[np.int64]:
-    """Return the number of the cluster nearest to each of (K,) flat cells as the crow flies, (K,)."""
-    return np.asarray(_nearest_clusters(cells, clusters.cells, clusters.ends, width))

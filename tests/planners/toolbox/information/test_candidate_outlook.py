@@ -3,25 +3,23 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from indoor_explorers.env import World, scenario
 from indoor_explorers.env.grid.arrays import Distances
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
-from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.policies.view import View
 from indoor_explorers.env.search.bfs import distance_field
 from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters
-from indoor_explorers.planners.toolbox.information.prospects import Prospects, nearest_clusters
+from indoor_explorers.planners.toolbox.information.candidate_outlook import CandidateOutlook, nearest_clusters
 from indoor_explorers.planners.toolbox.pockets.estimates import PocketEstimates, PocketEstimator
 from indoor_explorers.planners.toolbox.pockets.network import THRESHOLDS
+from tests.planners.flights import world_on
 
 
-def corridor() -> tuple[View, Distances, Prospects]:
+def corridor() -> tuple[View, Distances, CandidateOutlook]:
     """A UAV in the middle of a corridor of 41 cells, of which it knows the inner 21: a cluster at either end."""
-    world = World(scenario("thesis-open").with_settings({"goal": 1.0, "lidar.range": 10.0}))
-    world.begin(0, 0, floorplan=Floorplan.from_free(np.ones((1, 41), np.bool_), "corridor"), spawns=[(0, 20)])
+    world = world_on(np.ones((1, 41), np.bool_), [(0, 20)], goal=1.0, lidar__range=10.0)
     view = world.view(0, 0)
     assert np.flatnonzero(view.belief == FREE).tolist() == list(range(10, 31))
-    return view, distance_field(view.belief, view.cell), Prospects(world.briefing(0, 0))
+    return view, distance_field(view.belief, view.cell), CandidateOutlook(world.briefing(0, 0))
 
 
 def told(monkeypatch: pytest.MonkeyPatch, sizes: list[float], chances: list[float]) -> None:
@@ -57,7 +55,7 @@ def test_nearest_clusters_are_those_of_a_slow_search() -> None:
     cells = np.flatnonzero(belief.ravel() == FREE).astype(np.int32)
     rows, cols = np.divmod(clusters.cells, 30)
     owner = np.searchsorted(clusters.ends, np.arange(len(clusters.cells)), side="right") - 1
-    found = nearest_clusters(cells, clusters, 30)
+    found = nearest_clusters(cells, *clusters, 30)
     for cell, number in zip(cells.tolist(), found.tolist(), strict=True):
         away = (rows - cell // 30) ** 2 + (cols - cell % 30) ** 2
         assert away[owner == number].min() == away.min()
