@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import pickle
 from abc import abstractmethod
 from collections.abc import Sequence
@@ -23,20 +22,17 @@ from indoor_explorers.env.observations import Encoder, make_encoder
 from indoor_explorers.env.policies.policy import TRAINED_GOAL, Policy
 from indoor_explorers.env.policies.registry import missing_module
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.env.provenance import recorded_maps
 from indoor_explorers.env.scenarios.validation import validated
 from indoor_explorers.learners.baselines.config import EGOCENTRIC, BaselineConfig
-from indoor_explorers.learners.baselines.evaluation import Scores, best_moves
-from indoor_explorers.learners.baselines.trainee import BaselineRecord
+from indoor_explorers.learners.baselines.trainee import BaselineRecord, Scores, best_moves
 from indoor_explorers.learners.guard import WatchedPilot
 from indoor_explorers.learners.sessions.process import one_thread
-from indoor_explorers.learners.sessions.record import RECORD, read_record
-from indoor_explorers.learners.sessions.seeds import recorded_seeds
+from indoor_explorers.learners.sessions.record import RECORD, RecordedWeights, digest_of, read_record
 
 
 @dataclass(frozen=True)
 class TrainedModel:
-    """The content of a training's folder that a policy needs."""
+    """The content of the folder of a training."""
 
     record: BaselineRecord
     """The record of the training."""
@@ -61,7 +57,7 @@ class TrainedModel:
 
 
 @dataclass(frozen=True, kw_only=True)
-class TrainedPolicy(Policy):
+class TrainedPolicy(RecordedWeights, Policy):
     """Fly a trained network: greedy, and without memory except in the guard.
 
     Torch runs on one thread during a decision. Everything but the guard's back-off is deterministic. A process reads
@@ -72,9 +68,9 @@ class TrainedPolicy(Policy):
 
     """
 
-    MODEL: ClassVar[str]
     plans_for: ClassVar[str] = TRAINED_GOAL
 
+    MODEL: ClassVar[str]
     """Name of the file with the best network."""
     LEARNERS: ClassVar[tuple[str, ...]]
     """Learners whose networks this policy flies; each has a module of that name."""
@@ -110,17 +106,12 @@ class TrainedPolicy(Policy):
 
     def provenance(self) -> dict[str, str]:
         """Return the hash of the weights, the learner and the fingerprint of the training scenario."""
-        record = self.trained().record
-        digest = hashlib.sha256(self.model_file().read_bytes()).hexdigest()
+        record, digest = self.trained().record, digest_of(self.model_file())
         return {"weights_sha256": digest, "learner": record.learner, "trained_on": record.fingerprint}
 
-    def seen_seeds(self) -> dict[str, list[range]]:
-        """Return the seeds of the training and its evaluations."""
-        return recorded_seeds(folder_and_model(self.path, self.MODEL)[0] / RECORD)
-
-    def seen_maps(self) -> dict[str, list[str]]:
-        """Return the map files that the training flew."""
-        return recorded_maps(folder_and_model(self.path, self.MODEL)[0] / RECORD)
+    def weights_paths(self) -> list[Path]:
+        """Return the path of the model."""
+        return [self.model_file()]
 
     def pilot(self, briefing: Briefing) -> TrainedPilot:
         """Make the pilot of one UAV for one episode."""

@@ -13,10 +13,9 @@ from contextlib import contextmanager
 from functools import partial
 
 from indoor_explorers.env.scenarios.scenario import Scenario
-from indoor_explorers.learners.dddqn.ablations import ABLATION_SETTINGS, ABLATIONS, TEAM_ABLATIONS, flown
 from indoor_explorers.learners.dddqn.config import TrainingConfig
 from indoor_explorers.learners.dddqn.learning.training import Training
-from indoor_explorers.learners.dddqn.presets import PRESETS
+from indoor_explorers.learners.dddqn.presets import ABLATION_SETTINGS, ABLATIONS, PRESETS, TEAM_ABLATIONS, flown
 from indoor_explorers.learners.sessions.record import new_record
 from indoor_explorers.learners.sessions.session import Progress, Session
 from indoor_explorers.learners.sessions.tensorboard import Scalars

@@ -20,7 +20,7 @@ from indoor_explorers.planners.toolbox.networks.weights_file import (
     write_weights_file,
 )
 
-#: Version of what the description and the inputs mean; raised when older files can no longer be read.
+#: Version of the description and of the inputs; raised when older files can no longer be read.
 FORMAT = 2
 _FOLDER = Path(__file__).parent / "weights"
 

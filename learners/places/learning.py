@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 from torch.nn import functional
 
-from indoor_explorers.learners.places.choices import Choices
+from indoor_explorers.learners.places.flights import Choices
 from indoor_explorers.learners.places.model import AdvantageNet, ValueNet, batch_of
 
 #: Discount factor, and share of later surprises that count, both per lidar range of flight.

@@ -9,7 +9,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
-from indoor_explorers.learners.places.choices import Choices
+from indoor_explorers.learners.places.flights import Choices
 from indoor_explorers.learners.places.network import HIDDEN, NetworkWeights
 from indoor_explorers.learners.places.scene import COMMON, PLACE
 from indoor_explorers.learners.places.truth import TRUE_COMMON, TRUE_PLACE

@@ -13,8 +13,7 @@ import numpy as np
 import torch
 from pydantic import Field
 
-from indoor_explorers.learners.places.choices import choices_of, read_choices, write_choices
-from indoor_explorers.learners.places.flights import fly
+from indoor_explorers.learners.places.flights import choices_of, fly, read_choices, write_choices
 from indoor_explorers.learners.places.learning import LATER, advantages, explained, learn_choices, learn_values
 from indoor_explorers.learners.places.model import AdvantageNet, load_into, weights_of
 from indoor_explorers.learners.places.network import Loaded, NetworkWeights, write_weights
@@ -41,7 +40,7 @@ class TrainingConfig(MapSettings):
     prior: float = 0.45
     """Weight of the costs of ``frontier-predictive`` in the value of a place; 0 begins without that planner."""
     guess: bool = True
-    """Show the network what is estimated behind the clusters."""
+    """Show the network the estimates of the free space behind the clusters."""
     others: bool = True
     """Show the network the other places beside each place."""
     workers: int = Field(2, ge=1, exclude=True)
@@ -52,8 +51,8 @@ class TrainingConfig(MapSettings):
     """Rounds between two checkpoints."""
 
 
-class Part(NamedTuple):
-    """The flights of a round that one file holds."""
+class FlightsFile(NamedTuple):
+    """Some flights of a round, which one file holds."""
 
     path: Path
     seeds: range
@@ -63,8 +62,8 @@ class Part(NamedTuple):
     """The network that flies."""
 
 
-def fly_part(part: Part) -> int:
-    """Fly a part and write its file, unless that is there; return the number of flights."""
+def fly_file(part: FlightsFile) -> int:
+    """Fly and write a file of flights, unless it exists; return the number of flights."""
     if not part.path.exists():
         part.path.parent.mkdir(parents=True, exist_ok=True)
         write_choices(part.path, choices_of([fly(part.maps, seed, part.loaded) for seed in part.seeds]))
@@ -113,7 +112,7 @@ class PlacesTraining(Trainee):
         ) as pool:
             while not self.done:
                 parts = self._parts()
-                for count in pool.imap_unordered(fly_part, parts):
+                for count in pool.imap_unordered(fly_file, parts):
                     self.steps += count
                     session.report(self)
                     if session.interrupted:
@@ -121,12 +120,12 @@ class PlacesTraining(Trainee):
                 self._learn([part.path for part in parts])
                 session.after_update(self)
 
-    def _parts(self) -> list[Part]:
-        first, flights = TRAINING_SEEDS * (1 + self.seed) + ROUND_SEEDS * self.rounds, self.config.flights
-        folder, loaded = self.folder / str(self.rounds), self._loaded(self.networks[-1])
+    def _parts(self) -> list[FlightsFile]:
+        first = TRAINING_SEEDS * (1 + self.seed) + ROUND_SEEDS * self.rounds
+        seeds, loaded = range(first, first + self.config.flights), self._loaded(self.networks[-1])
         return [
-            Part(folder / f"{k}.safetensors", range(first + k, first + min(k + TOGETHER, flights)), self.maps, loaded)
-            for k in range(0, flights, TOGETHER)
+            FlightsFile(self.folder / f"{self.rounds}/{k}.safetensors", seeds[k : k + TOGETHER], self.maps, loaded)
+            for k in range(0, len(seeds), TOGETHER)
         ]
 
     def _learn(self, paths: Sequence[Path]) -> None:

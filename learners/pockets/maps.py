@@ -37,7 +37,7 @@ from indoor_explorers.learners.sessions.settings import LearnerSettings
 
 #: Folder of the flights inside that of a training.
 FLIGHTS = "flights"
-#: Name of a map that is from no file.
+#: Name of generated maps.
 GENERATED = "generated"
 #: Share of generated maps that are floors; the others are offices, rooms, caves and mazes.
 FLOORS = 0.6

@@ -1,4 +1,4 @@
-"""The pocket network for training: what :mod:`indoor_explorers.planners.toolbox.pockets.network` computes, in torch."""
+"""The pocket network in torch, for training: see :mod:`indoor_explorers.planners.toolbox.pockets.network`."""
 
 from __future__ import annotations
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -19,18 +18,21 @@ from indoor_explorers.learners.sessions.session import Trainee, TrainingStatus, 
 from indoor_explorers.learners.thesis.config import TrainingConfig
 from indoor_explorers.learners.thesis.evaluation import evaluate
 from indoor_explorers.learners.thesis.history import History
+from indoor_explorers.learners.thesis.inference import load_weights, write_weights
 from indoor_explorers.learners.thesis.learner import ThesisLearner, greedy
 from indoor_explorers.learners.thesis.replay import ThesisReplay, Transitions
 from indoor_explorers.learners.thesis.sizes import MOVES, ImageFormat
 from indoor_explorers.learners.thesis.vector_flight import ImageFlight
-from indoor_explorers.learners.thesis.weights import load_weights, write_weights
 from indoor_explorers.planners.toolbox.networks.tensors import WEIGHTS
 
 EPISODES = "episodes.csv"
 
 
 class ThesisTraining(Trainee):
-    """Train on a batch of episodes; an update is one move of all UAVs and the network updates that are then due."""
+    """Train on a batch of episodes; an update is one move of all UAVs and the network updates that are then due.
+
+    As in the thesis, the latest network is kept, not the best one.
+    """
 
     unit = "episodes"
     steps = 0
@@ -45,13 +47,13 @@ class ThesisTraining(Trainee):
         self.losses: list[float] = []
         self.rng = np.random.default_rng(np.random.SeedSequence(seed))
         pilots = range(self.task.team if config.mates == "learn" else 1)
-        looks: dict[str, Any] = {
+        image_settings: dict[str, Any] = {
             "frames": config.frame_stack,
             "identity": config.identity,
             "centred": config.centred,
         }
-        self.flight = ImageFlight(self.task, config.environments, self._next_seed, pilots=pilots, **looks)
-        self.image_format = ImageFormat(*self.flight.shape, **looks)
+        self.flight = ImageFlight(self.task, config.environments, self._next_seed, pilots=pilots, **image_settings)
+        self.image_format = ImageFormat(*self.flight.shape, **image_settings)
         self.learner = ThesisLearner(config, self.image_format, seed)
         self.replay = ThesisReplay(config.memory, self.image_format)
         self.history = History(config.environments)
@@ -140,13 +142,6 @@ class ThesisTraining(Trainee):
             centred=config.centred,
         )
         return found._asdict()
-
-    def rank(self, evaluation: Mapping[str, int | float]) -> tuple[float, ...]:
-        """Return the same key for all evaluations: the thesis kept the last network, not the best."""
-        return ()
-
-    def keep(self, folder: Path) -> None:
-        """Do nothing: :meth:`save` writes the latest network."""
 
     def status(self) -> TrainingStatus:
         """Return the current status; total_steps is an estimate, since the training's length is given in episodes."""

@@ -1,4 +1,4 @@
-"""The training loop of the DDDQN, and the content of its checkpoint."""
+"""The training loop of the DDDQN, its greedy evaluation without the guard, and the content of its checkpoint."""
 
 from __future__ import annotations
 
@@ -12,19 +12,20 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Mask
+from indoor_explorers.env.grid.cells import Action
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.learners.dddqn.config import TrainingConfig
-from indoor_explorers.learners.dddqn.learning.evaluation import evaluate
 from indoor_explorers.learners.dddqn.learning.learner import Learner
 from indoor_explorers.learners.dddqn.learning.multi_task_flight import MultiTaskFlight
 from indoor_explorers.learners.dddqn.learning.prior_fitting import collect_all, fit_prior
 from indoor_explorers.learners.dddqn.learning.replay import Replay, Tick
+from indoor_explorers.learners.dddqn.learning.vector_flight import VectorFlight
 from indoor_explorers.learners.dddqn.network.model import arrays
 from indoor_explorers.learners.dddqn.observation.layout import BLOCKED_AT
 from indoor_explorers.learners.dddqn.observation.map_prior import MapPrior, no_prior, prior_arrays, prior_from
 from indoor_explorers.learners.dddqn.weights import write_weights
 from indoor_explorers.learners.sessions.checkpoint import read_checkpoint, reporting_damage, write_checkpoint
-from indoor_explorers.learners.sessions.evaluation import T90, mean_evaluation
+from indoor_explorers.learners.sessions.evaluation import T90, Evaluation, evaluate_world, mean_evaluation
 from indoor_explorers.learners.sessions.seeds import evaluation_seeds, prior_seeds, training_seeds
 from indoor_explorers.learners.sessions.session import Trainee, TrainingStatus
 from indoor_explorers.planners.toolbox.networks.tensors import WEIGHTS
@@ -193,3 +194,23 @@ class Training(Trainee):
 
 def _part(tensors: Mapping[str, NDArray[Any]], prefix: str) -> dict[str, NDArray[Any]]:
     return {name: array for name, array in tensors.items() if name.startswith(prefix)}
+
+
+def evaluate(
+    learner: Learner, task: Scenario, prior: MapPrior, episodes: int, first_seed: int, steps: int
+) -> Evaluation:
+    """Fly ``episodes`` episodes of a task and return their mean results.
+
+    Their seeds begin at ``first_seed``; ``steps`` is the number of training moves so far.
+    """
+    seeds = iter(range(first_seed, first_seed + episodes))
+    flight = VectorFlight(task, learner.config.observation, prior, episodes, lambda: next(seeds))
+
+    def act() -> None:
+        flying = np.flatnonzero(~flight.over)
+        flight.observe(flying)
+        action = np.full(flight.columns, int(Action.STAY))
+        action[flying] = learner.greedy(learner.average, flight.scenes[flying], flight.moves[flying], mask=True)
+        flight.step(action)
+
+    return evaluate_world(flight.world, act, steps)

@@ -1,6 +1,6 @@
-"""Tour features of the moves in small rooms: the tours that a beam search finds behind each of them.
+"""Tour features of the moves in small rooms: the tours that begin with each move, found by a beam search.
 
-The search plans on the optimistic map (:mod:`~indoor_explorers.learners.dddqn.observation.optimistic_map`). Its tours
+The search plans on the optimistic map (:mod:`~indoor_explorers.learners.dddqn.observation.map_prior`). Its tours
 need not view cells that are probably obstacles by the map prior, as long as other cells are left. Likewise they leave a
 cell to a teammate that was closer to it when last heard (at equal distance to the lower number), and a cell in the
 sector of a teammate that was never heard, in scenarios whose radio seldom connects the team at the start.
@@ -63,11 +63,11 @@ class TourScratch(NamedTuple):
     """Working arrays of the search for tours."""
 
     beam: Beam
-    """Those of the beam search."""
+    """The working arrays of the beam search."""
     attainable: np.ndarray
     """(4,) words: cells that can be viewed from any reachable cell."""
     unseen: np.ndarray
-    """(4,) words: those that tours have to view."""
+    """(4,) words: the attainable cells that tours have to view."""
     steps: np.ndarray
     """(256,) distances of a breadth-first search."""
     queue: np.ndarray
@@ -75,7 +75,7 @@ class TourScratch(NamedTuple):
     stale: np.ndarray
     """(16, 16) cells whose views have changed."""
     found: np.ndarray
-    """(4, 2, 4) the tours behind each move, to the goal and to the mark."""
+    """(4, 2, 4) the tours that begin with each move, to the goal and to the mark."""
     paths: np.ndarray
     """(4, 2, 41) their cells, -1 after the last; only -1 for an unfinished tour."""
     least: np.ndarray
@@ -189,12 +189,8 @@ def _search(
             tour = old
             for k in range(path.shape[0]):
                 path[k] = kept[k] if k < old.steps else -1
-    found[_FINISHED], found[_STEPS], found[_DELAY], found[_HALFWAY] = (
-        tour.finished,
-        tour.steps,
-        tour.delay,
-        tour.halfway,
-    )
+    found[_FINISHED], found[_STEPS] = tour.finished, tour.steps
+    found[_DELAY], found[_HALFWAY] = tour.delay, tour.halfway
 
 
 @inner()
@@ -242,7 +238,7 @@ def _write(goal: Tour, mark: Tour, least: np.ndarray, left: int, total: float, e
 
 
 @leaf(entry=False)
-def look_for_tours(
+def write_tours(
     uav: Uav,
     scratch: TourScratch,
     obstructed: bool,

@@ -86,14 +86,6 @@ def test_the_pilots_see_what_training_saw_bit_for_bit(mask: bool, trained: Path)
 
 
 @pytest.mark.slow
-def test_acting_together_equals_acting_alone(trained: Path) -> None:
-    policy = make_policy(f"rllib:{trained}")
-    together = flown(policy, [1, 2, 3, 4, 5], together=True)
-    assert np.array_equal(together, flown(policy, [1, 2, 3, 4, 5], together=False))
-    assert np.array_equal(together[:, 2:3], flown(policy, [3], together=True))
-
-
-@pytest.mark.slow
 def test_the_policy_passes_the_conformance_suite(trained: Path) -> None:
     check_policy(make_policy(f"rllib:{trained}"))
 

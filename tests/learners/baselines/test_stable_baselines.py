@@ -109,14 +109,6 @@ def test_the_pilot_sees_what_training_saw_bit_for_bit(trained: dict[str, Path]) 
         assert not over.any()
 
 
-@pytest.mark.parametrize("learner", SETTINGS)
-def test_acting_together_equals_acting_alone(learner: str, trained: dict[str, Path]) -> None:
-    policy = make_policy(f"sb3:{trained[learner]}")
-    together = flown(policy, [1, 2, 3, 4, 5], together=True)
-    assert np.array_equal(together, flown(policy, [1, 2, 3, 4, 5], together=False))
-    assert np.array_equal(together[:, 2:3], flown(policy, [3], together=True))
-
-
 def test_the_policy_passes_the_conformance_suite(trained: dict[str, Path]) -> None:
     policy = make_policy(f"sb3:{trained['sb3-qrdqn']}")
     threads = torch.get_num_threads()

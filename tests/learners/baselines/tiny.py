@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env import Policy, World
+from indoor_explorers.env import Policy
 from indoor_explorers.evaluation.cli.parser import main
-from tests.learners.dddqn.rooms import small_room
+from tests.learners.dddqn.rooms import flight_of, small_room
 
 #: Settings that every learner has, for a training of a moment.
 TINY = ("side=5", "zones=2", "hidden=[16]", "evaluation_episodes=2", "evaluation_every=150", "checkpoint_every=150")
@@ -31,17 +31,6 @@ def record_of(out: Path) -> Any:
     return json.loads((out / "training.json").read_text(encoding="utf-8"))
 
 
-def flown(policy: Policy, seeds: list[int], *, together: bool, team: int = 2, steps: int = 30) -> NDArray[np.int64]:
-    """Return the cells (T, B, N, 2) of episodes whose pilots act in one batch, or one by one."""
-    world = World(small_room().with_settings({"team": team, "budget": steps}), len(seeds))
-    world.reset(seeds)
-    keys = [(b, n) for b in range(len(seeds)) for n in range(team)]
-    pilots = [policy.pilot(world.briefing(*key)) for key in keys]
-    cells = []
-    for _ in range(steps):
-        views = [world.view(*key) for key in keys]
-        alone = [pilot.act(view) for pilot, view in zip(pilots, views, strict=True)] if not together else None
-        actions = policy.act(pilots, views) if alone is None else alone
-        world.step(np.array(actions).reshape(len(seeds), team))
-        cells.append(world.state.cell.copy())
-    return np.array(cells)
+def flown(policy: Policy, seeds: list[int], *, together: bool) -> NDArray[np.int64]:
+    """Return the cells (T, B, N, 2) of short episodes of two UAVs, whose pilots act in one batch, or one by one."""
+    return flight_of(policy, small_room().with_settings({"team": 2, "budget": 30}), seeds, together=together)

@@ -20,6 +20,8 @@ from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
 from indoor_explorers.learners.dddqn.observation.layout import observation_layout
 from indoor_explorers.learners.dddqn.observation.map_prior import MapPrior, prior_arrays, prior_from
 from indoor_explorers.learners.dddqn.weights import write_weights
+from indoor_explorers.learners.sessions.checkpoint import CHECKPOINT
+from indoor_explorers.planners.toolbox.networks.tensors import read_tensors
 
 #: A network that is quick to make.
 NARROW = NetworkConfig(width=32, move_width=4)
@@ -90,6 +92,31 @@ def fly(policy: Policy, scenario: Scenario, seed: int, free: Mask | None = None)
         actions[0, flying] = policy.act([pilots[n] for n in flying], [world.view(0, int(n)) for n in flying])
         world.step(actions)
     return world
+
+
+def flight_of(policy: Policy, scenario: Scenario, seeds: list[int], *, together: bool) -> NDArray[np.int64]:
+    """Return the cells (T, B, N, 2) of episodes up to the budget, whose pilots act in one batch, or one by one."""
+    world = World(scenario, len(seeds))
+    world.reset(seeds)
+    keys = [(b, n) for b in range(len(seeds)) for n in range(scenario.team)]
+    pilots = [policy.pilot(world.briefing(*key)) for key in keys]
+    cells = []
+    for _ in range(int(world.state.budget[0])):
+        views = [world.view(*key) for key in keys]
+        alone = None if together else [pilot.act(view) for pilot, view in zip(pilots, views, strict=True)]
+        actions = policy.act(pilots, views) if alone is None else alone
+        world.step(np.array(actions).reshape(len(seeds), scenario.team))
+        cells.append(world.state.cell.copy())
+    return np.array(cells)
+
+
+def assert_same_checkpoints(one: Path, other: Path) -> None:
+    """Demand that the checkpoints of two folders hold the same arrays and the same other state."""
+    (tensors, state), (others, other_state) = (read_tensors(folder / CHECKPOINT) for folder in (one, other))
+    assert state == other_state
+    assert tensors.keys() == others.keys()
+    for name, array in tensors.items():
+        assert np.array_equal(array, others[name]), name
 
 
 def some_prior(seed: int = 0) -> MapPrior:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env import World, make_policy, scenario
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
-from indoor_explorers.learners.places.choices import Choices
+from indoor_explorers.learners.places.flights import Choices
 from indoor_explorers.learners.places.scene import COMMON, MOST, PLACE, Scene
 from indoor_explorers.learners.places.truth import TRUE_COMMON, TRUE_PLACE
 

@@ -11,8 +11,7 @@ import torch
 
 from indoor_explorers.env.grid.cells import FREE, UNREACHABLE
 from indoor_explorers.env.search.bfs import distance_field
-from indoor_explorers.learners.places.choices import Flown, choices_of, read_choices, write_choices
-from indoor_explorers.learners.places.flights import fly
+from indoor_explorers.learners.places.flights import Flown, choices_of, fly, read_choices, write_choices
 from indoor_explorers.learners.places.learning import (
     DISCOUNT,
     advantages,

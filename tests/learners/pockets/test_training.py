@@ -102,8 +102,8 @@ def test_estimates_are_judged_against_what_was_found() -> None:
     outputs = np.concatenate([sure, np.zeros((4, OUTPUTS - len(THRESHOLDS)))], axis=1).astype(np.float32)
     row = judged("a", {"sizes": sizes}, estimates_from(outputs))
     assert row.aucs == (1.0, 1.0, 1.0)
-    assert row.found == (0.5, 0.5, 0.5)
-    assert row.told == pytest.approx((0.5, 0.5, 0.5), abs=1e-3)
+    assert row.observed == (0.5, 0.5, 0.5)
+    assert row.predicted == pytest.approx((0.5, 0.5, 0.5), abs=1e-3)
     assert row.entropy < 1e-3
     assert auc(np.array([True, False, True, False]), np.array([1.0, 1.0, 1.0, 1.0])) == 0.5
     assert np.isnan(auc(np.ones(3, np.bool_), np.arange(3.0)))

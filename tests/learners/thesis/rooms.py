@@ -6,9 +6,9 @@ from pathlib import Path
 
 from indoor_explorers.env import PRESETS, Scenario
 from indoor_explorers.learners.thesis.config import TrainingConfig
-from indoor_explorers.learners.thesis.network import new_network
+from indoor_explorers.learners.thesis.inference import write_weights
+from indoor_explorers.learners.thesis.learner import new_network
 from indoor_explorers.learners.thesis.sizes import ImageFormat
-from indoor_explorers.learners.thesis.weights import write_weights
 
 #: What the thesis's network sees, and what the mended one does.
 THESIS, MENDED_FORMAT = ImageFormat(16, 16, 1, False), ImageFormat(16, 16, 4, True)

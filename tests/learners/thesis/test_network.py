@@ -6,7 +6,7 @@ import torch
 
 from indoor_explorers.env import InputError
 from indoor_explorers.learners.thesis.inference import q_values, weights_from
-from indoor_explorers.learners.thesis.network import duel, new_network
+from indoor_explorers.learners.thesis.learner import duel, new_network
 from indoor_explorers.learners.thesis.observation import LEVELS
 from indoor_explorers.learners.thesis.sizes import ImageFormat
 

@@ -12,9 +12,7 @@ from indoor_explorers.env.grid.cells import MOVES
 from indoor_explorers.env.search.bfs import distance_field
 from indoor_explorers.env.search.frontiers import frontier_mask
 from indoor_explorers.env.sensing.lidar import view_gain
-from indoor_explorers.learners.dddqn.observation.changed_boxes import note
 from indoor_explorers.learners.dddqn.observation.config import LAYERS, Layer, ObservationConfig
-from indoor_explorers.learners.dddqn.observation.known import Known
 from indoor_explorers.learners.dddqn.observation.layout import (
     GAINS,
     SYMMETRIES,
@@ -24,9 +22,10 @@ from indoor_explorers.learners.dddqn.observation.layout import (
     symmetries,
     turned,
 )
-from indoor_explorers.learners.dddqn.observation.memory import SPENT, ObservationMemory, new_memory
+from indoor_explorers.learners.dddqn.observation.memory import SPENT, ObservationMemory, new_memory, note
 from indoor_explorers.learners.dddqn.observation.observe import observation_context, observe
 from indoor_explorers.learners.dddqn.observation.scales import sensor
+from indoor_explorers.learners.dddqn.observation.uav import Known
 from tests.learners.dddqn.rooms import random_belief, small_room, some_prior
 
 Cell = tuple[int, int]

@@ -19,8 +19,8 @@ from indoor_explorers.env.sensing.lidar import view_gain
 from indoor_explorers.learners.dddqn.observation.beam import Aim, follow_tour, new_beam, shortest_tour
 from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
 from indoor_explorers.learners.dddqn.observation.layout import TOURS
+from indoor_explorers.learners.dddqn.observation.map_prior import UNLIKELY, assume_obstacles
 from indoor_explorers.learners.dddqn.observation.memory import new_memory
-from indoor_explorers.learners.dddqn.observation.optimistic_map import UNLIKELY, assume_obstacles
 from indoor_explorers.learners.dddqn.observation.scales import scratch, sensor
 from indoor_explorers.learners.dddqn.observation.tours import sectors
 from indoor_explorers.planners.toolbox.information.optimistic_views import update_views
