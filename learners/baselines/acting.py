@@ -44,9 +44,8 @@ class TrainedModel:
     def encoder(self, briefing: Briefing) -> Encoder:
         """Return the encoder of a UAV's views that was used in training.
 
-        Raises:
-            InputError: the observation depends on the map's size, and the map has another one than in training.
-
+        Raises :class:`InputError` if the observation depends on the map's size, and the map has another one than in
+        training.
         """
         if self.config.observation != EGOCENTRIC and briefing.shape != self.record.shape:
             raise InputError(
@@ -90,9 +89,7 @@ class TrainedPolicy(RecordedWeights, Policy):
     def scores(module: Any, config: Any, inputs: int, model: Path) -> Scores:
         """Return the network in the file ``model``, for observations of ``inputs`` numbers.
 
-        Raises:
-            Exception: one of :data:`DAMAGE`; the file holds no weights, or those of another network.
-
+        Raises one of :data:`DAMAGE` if the file holds no weights, or those of another network.
         """
 
     def model_file(self) -> Path:
@@ -164,9 +161,7 @@ def folder_and_model(path: str, model: str) -> tuple[Path, Path]:
 def read_training(folder: Path, learners: Sequence[str]) -> tuple[BaselineRecord, Any, Any]:
     """Return the record of a folder, the module of its learner and its configuration.
 
-    Raises:
-        InputError: the folder holds no training of these ``learners``, or their library is not installed.
-
+    Raises :class:`InputError` if the folder holds no training of these ``learners``, or their library is not installed.
     """
     record = read_record(folder, BaselineRecord, learners)
     try:

@@ -84,9 +84,7 @@ def baseline_record(
 
     ``make_world`` makes a world of a scenario, a batch size and a map's index.
 
-    Raises:
-        InputError: ``make_world`` refuses the scenario, or there is no such observation.
-
+    Raises :class:`InputError` if ``make_world`` refuses the scenario, or there is no such observation.
     """
     briefing = make_world(config.task(scenario), 1, 0).briefing(0, 0)
     inputs = int(np.prod(make_encoder(config.recipe, briefing).space.shape or ()))

@@ -17,7 +17,7 @@ from indoor_explorers.learners.dddqn.observation.map_prior import MapPrior, prio
 from indoor_explorers.learners.dddqn.observation.memory import new_memory
 from indoor_explorers.learners.dddqn.observation.observe import observation_context, observe
 from indoor_explorers.learners.dddqn.observation.uav import Known
-from indoor_explorers.learners.dddqn.weights import Loaded
+from indoor_explorers.learners.dddqn.weights import LoadedWeights
 from indoor_explorers.learners.guard import Guard
 
 
@@ -76,7 +76,7 @@ class ObservingPilot(Pilot):
 class DddqnPilot(ObservingPilot):
     """Value the moves by a network."""
 
-    def __init__(self, briefing: Briefing, loaded: Loaded, *, guard: bool, other_range: bool) -> None:
+    def __init__(self, briefing: Briefing, loaded: LoadedWeights, *, guard: bool, other_range: bool) -> None:
         super().__init__(briefing, loaded.observation, prior_from(loaded.prior), guard=guard)
         self._weights = loaded.weights
         self._q: NDArray[np.float32] = np.zeros((1, 4), np.float32)

@@ -89,9 +89,7 @@ class Dddqn(RecordedWeights, Policy):
     def suited(self, briefing: Briefing) -> str:
         """Return the name of the weights that a UAV with this briefing flies.
 
-        Raises:
-            InputError: ``map_alone`` is set and there are no such weights for the scenario.
-
+        Raises :class:`InputError` if ``map_alone`` is set and there are no such weights for the scenario.
         """
         if self.weights is not None:
             return self.weights
@@ -106,13 +104,13 @@ class Dddqn(RecordedWeights, Policy):
         hashes = {name: digest_of(path) for name, path in self._paths().items()}
         if self.weights is not None:
             return {"weights_sha256": hashes[self.weights]}
-        told = {f"weights_{name}_sha256": digest for name, digest in hashes.items()}
+        facts = {f"weights_{name}_sha256": digest for name, digest in hashes.items()}
         places = self._places
         if places is None:
-            return told | {"weights_for": SUITED_ALONE}
+            return facts | {"weights_for": SUITED_ALONE}
         on_places = places.provenance()
-        told |= {f"weights_{LARGE}_sha256": on_places.pop("weights_sha256")} | on_places
-        return told | {"weights_for": SUITED}
+        facts |= {f"weights_{LARGE}_sha256": on_places.pop("weights_sha256")} | on_places
+        return facts | {"weights_for": SUITED}
 
     def weights_paths(self) -> list[Path]:
         """Return the paths of the weights of moves that this policy may fly."""
@@ -167,9 +165,7 @@ def suited(briefing: Briefing) -> str:
 def suited_alone(briefing: Briefing) -> str:
     """Return the name of the shipped weights for a scenario, of a network that sees the map only.
 
-    Raises:
-        InputError: the map or the lidar range is too large.
-
+    Raises :class:`InputError` if the map or the lidar range is too large.
     """
     if not _is_room(briefing) or briefing.lidar_range != REFERENCE_RANGE:
         height, width = briefing.shape

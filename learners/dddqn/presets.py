@@ -82,11 +82,7 @@ PRESETS: dict[str, Preset] = {
 
 
 #: Settings of all ablation trainings: all are short, and compared after the same number of moves.
-ABLATION_SETTINGS: Mapping[str, Any] = {
-    "total_steps": 600_000,
-    "evaluation_every": 48_000,
-    "checkpoint_every": 192_000,
-}
+ABLATION_SETTINGS: Mapping[str, Any] = {"total_steps": 600_000, "evaluation_every": 48_000, "checkpoint_every": 192_000}
 
 _LAYERS = ("unknown", "free", "chance")
 _MATES = {"observation.layers": (*_LAYERS, "mates", "mates_past")}

@@ -29,7 +29,7 @@ from indoor_explorers.planners.toolbox.networks.tensors import read_tensors, wri
 Arrays = Mapping[str, NDArray[Any]]
 
 
-class Flown(NamedTuple):
+class TrainingFlight(NamedTuple):
     """A training flight."""
 
     choices: list[dict[str, NDArray[Any]]]
@@ -38,7 +38,7 @@ class Flown(NamedTuple):
     """Steps to 90 % and 99 % of the reachable cells, in units of these cells by the lidar's range; NaN for teams."""
 
 
-class Choices(NamedTuple):
+class ChoiceArrays(NamedTuple):
     """C choices, in the order of flights, UAVs and time."""
 
     arrays: Arrays
@@ -48,7 +48,7 @@ class Choices(NamedTuple):
     flight: NDArray[np.int64]
     """(U,) number of its flight."""
     times: NDArray[np.float64]
-    """(F, 2) times of each flight, see :class:`Flown`."""
+    """(F, 2) times of each flight, see :class:`TrainingFlight`."""
 
     @property
     def half(self) -> NDArray[np.int64]:
@@ -56,29 +56,29 @@ class Choices(NamedTuple):
         return np.asarray(np.repeat(self.flight % 2, self.lengths))
 
 
-def choices_of(flights: Sequence[Flown]) -> Choices:
+def choices_of(flights: Sequence[TrainingFlight]) -> ChoiceArrays:
     """Return the choices of some flights, at least one."""
     uavs = [uav for flight in flights for uav in flight.choices]
     arrays = {name: np.concatenate([uav[name] for uav in uavs]) for name in uavs[0]}
     lengths = np.array([len(uav["chosen"]) for uav in uavs], np.int64)
     numbers = np.repeat(np.arange(len(flights)), [len(flight.choices) for flight in flights])
-    return Choices(arrays, lengths, numbers, np.array([flight.times for flight in flights], np.float64))
+    return ChoiceArrays(arrays, lengths, numbers, np.array([flight.times for flight in flights], np.float64))
 
 
-def write_choices(path: Path, choices: Choices) -> None:
+def write_choices(path: Path, choices: ChoiceArrays) -> None:
     """Write choices to a file of arrays."""
     about = {"uav.lengths": choices.lengths, "uav.flight": choices.flight, "flight.times": choices.times}
     write_tensors(path, {**choices.arrays, **about})
 
 
-def read_choices(paths: Sequence[Path]) -> Choices:
+def read_choices(paths: Sequence[Path]) -> ChoiceArrays:
     """Return the choices of some files, one after the other."""
     parts = [read_tensors(path)[0] for path in paths]
     whole = {name: np.concatenate([part[name] for part in parts]) for name in parts[0] if name != "uav.flight"}
     first = np.cumsum([0, *(len(part["flight.times"]) for part in parts)])
     numbers = np.concatenate([part["uav.flight"] + before for part, before in zip(parts, first[:-1], strict=True)])
     lengths, times = whole.pop("uav.lengths"), whole.pop("flight.times")
-    return Choices(whole, lengths, numbers, times)
+    return ChoiceArrays(whole, lengths, numbers, times)
 
 
 #: Least and most free cells of a training map: flights over larger ones take too long.
@@ -151,13 +151,13 @@ class RecordingPilot(PlacesPilot):
         probabilities /= probabilities.sum()
         chosen = int(recording.rng.choice(len(probabilities), p=probabilities))
         field = self.steps_from(view, view.cell)
-        told = truth_of(scene, view.belief, recording.truth, recording.reachable, field, reach)
-        choice = Choice(scene, told, chosen, view.step, probabilities.astype(np.float32))
+        truth = truth_of(scene, view.belief, recording.truth, recording.reachable, field, reach)
+        choice = Choice(scene, truth, chosen, view.step, probabilities.astype(np.float32))
         recording.choices.setdefault(self.briefing.agent, []).append(choice)
         return chosen
 
 
-def fly(maps: TrainingMaps, seed: int, loaded: Loaded) -> Flown:
+def fly(maps: TrainingMaps, seed: int, loaded: Loaded) -> TrainingFlight:
     """Return a flight of a network over a map drawn by a seed, with a lidar, team and radio drawn likewise."""
     rng = np.random.default_rng([seed, 11])
     plan = maps.draw(rng)
@@ -180,7 +180,7 @@ def fly(maps: TrainingMaps, seed: int, loaded: Loaded) -> Flown:
     t90 = int(np.argmax(np.array(coverage) >= MOSTLY)) if coverage[-1] >= MOSTLY else end
     nominal = np.count_nonzero(reachable) / reach
     flown = [as_arrays(each, reach, t90, end) for each in recording.choices.values() if len(each) > 1]
-    return Flown(flown, (t90 / nominal, end / nominal) if team == 1 else (math.nan, math.nan))
+    return TrainingFlight(flown, (t90 / nominal, end / nominal) if team == 1 else (math.nan, math.nan))
 
 
 def as_arrays(choices: Sequence[Choice], lidar_range: float, t90: int, end: int) -> dict[str, NDArray[Any]]:
@@ -192,7 +192,7 @@ def as_arrays(choices: Sequence[Choice], lidar_range: float, t90: int, end: int)
     ``rewards`` (C,) are the negative costs until the next choice, ``durations`` (C,) the time until then, both in lidar
     ranges. The arguments ``t90`` and ``end`` are the steps to 90 % and to the end of the flight.
     """
-    scenes, told = [choice.scene for choice in choices], [choice.truth for choice in choices]
+    scenes, truths = [choice.scene for choice in choices], [choice.truth for choice in choices]
     steps = np.array([choice.step for choice in choices] + [end])
     early = np.minimum(steps, t90)
     costs = np.diff(steps) + EARLY * np.diff(early)
@@ -201,8 +201,8 @@ def as_arrays(choices: Sequence[Choice], lidar_range: float, t90: int, end: int)
         "common": np.stack([scene.common for scene in scenes]),
         "there": _padded([np.ones(len(scene.cells), np.bool_) for scene in scenes]),
         "costs": _padded([scene.costs for scene in scenes]),
-        "true_places": _padded([each.places for each in told]).astype(np.float16),
-        "true_common": np.stack([each.common for each in told]),
+        "true_places": _padded([each.places for each in truths]).astype(np.float16),
+        "true_common": np.stack([each.common for each in truths]),
         "probabilities": _padded([choice.probabilities for choice in choices]),
         "chosen": np.array([choice.chosen for choice in choices]),
         "rewards": (-costs / lidar_range).astype(np.float32),

@@ -16,11 +16,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.learners.places.scene import COMMON, PLACE, Scene
 from indoor_explorers.planners.toolbox.networks.layers import linear, relu
-from indoor_explorers.planners.toolbox.networks.weights_file import (
-    read_once,
-    read_weights_file,
-    write_weights_file,
-)
+from indoor_explorers.planners.toolbox.networks.weights_file import read_once, read_weights_file, write_weights_file
 
 #: Width of every hidden layer.
 HIDDEN = 64
@@ -105,9 +101,7 @@ def write_weights(path: Path, loaded: Loaded) -> None:
 def load_weights(path: Path) -> Loaded:
     """Return the content of a weights file; a process reads the file once, and again when it changes.
 
-    Raises:
-        InputError: the file is missing or holds another network.
-
+    Raises :class:`InputError` if the file is missing or holds another network.
     """
     file = read_weights_file(path, "dddqn-places")
     prior, guess, others = file.described(

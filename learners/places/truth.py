@@ -1,7 +1,7 @@
 """Features of the true map at a choice: inputs of the value networks in training, never of a network that flies.
 
-How long a flight takes depends on the map much more than on any choice. A value that knows the map takes this luck
-out of the returns, and what is left tells the places apart (Pinto et al. 2018, "Asymmetric Actor Critic",
+The length of a flight depends on the map much more than on any choice. A value that knows the map removes this
+variance from the returns; the rest depends on the chosen places (Pinto et al. 2018, "Asymmetric Actor Critic",
 arXiv:1710.06542).
 """
 

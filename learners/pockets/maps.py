@@ -1,4 +1,4 @@
-"""The training maps of ``places`` and ``pockets``: real floors, turned, scaled and cut anew, and generated maps."""
+"""The training maps of ``places`` and ``pockets``: generated maps, and real floors turned, scaled and cut at random."""
 
 from __future__ import annotations
 

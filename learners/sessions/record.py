@@ -143,9 +143,8 @@ def existing_record(mine: Kind, config: LearnerSettings, folder: Path) -> Kind |
 
     Settings that were added since it was written have their defaults, those of ``config``.
 
-    Raises:
-        InputError: the folder holds another training: of another learner, seed, scenario or configuration.
-
+    Raises :class:`InputError` if the folder holds another training: of another learner, seed, scenario or
+    configuration.
     """
     if not (folder / RECORD).exists():
         return None
@@ -168,9 +167,7 @@ def existing_record(mine: Kind, config: LearnerSettings, folder: Path) -> Kind |
 def read_record(folder: Path, kind: type[Kind], learners: Collection[str]) -> Kind:
     """Return the record of a folder.
 
-    Raises:
-        InputError: the folder is missing, or holds no training of one of these ``learners``.
-
+    Raises :class:`InputError` if the folder is missing, or holds no training of one of these ``learners``.
     """
     path = folder / RECORD
     try:

@@ -15,9 +15,7 @@ MOST_SEEDS = 2**20
 def training_seeds(seed: int) -> int:
     """Return the first episode seed of a training.
 
-    Raises:
-        InputError: ``seed`` is not between 0 and :data:`MOST_SEEDS` - 1.
-
+    Raises :class:`InputError` if ``seed`` is not between 0 and :data:`MOST_SEEDS` - 1.
     """
     if not 0 <= seed < MOST_SEEDS:
         raise InputError(f"expected a seed from 0 to {MOST_SEEDS - 1}, got {seed}")

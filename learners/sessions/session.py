@@ -169,9 +169,7 @@ class Session:
     def run(self, trainee: Trainee) -> None:
         """Train to the end, then evaluate and write everything; after a Ctrl-C write everything at once.
 
-        Raises:
-            KeyboardInterrupt: after a Ctrl-C, when everything is written.
-
+        Raises :class:`KeyboardInterrupt` after a Ctrl-C, when everything is written.
         """
         self._first_step, self._count = trainee.steps, self._counted(trainee)
         self._evaluations = [each for each in self.record.evaluations if each[trainee.unit] <= self._count]

@@ -67,9 +67,7 @@ class TrainingMethod(NamedTuple):
     def finished(self, config: Any, scenario: Scenario | None, out: Path, *, seed: int) -> TrainingRecord | None:
         """Return the record of the training in the folder ``out`` if it is finished, None if it is not.
 
-        Raises:
-            InputError: ``out`` holds another training, or a damaged one.
-
+        Raises :class:`InputError` if ``out`` holds another training, or a damaged one.
         """
         there = existing_record(self.record(config, scenario, seed), config, out)
         return there if there is not None and there.done else None

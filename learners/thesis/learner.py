@@ -16,9 +16,9 @@ from torch import Tensor, nn
 from indoor_explorers.learners.dddqn.learning.targets import q_target
 from indoor_explorers.learners.sessions.networks import learner_tensors, restore_learner
 from indoor_explorers.learners.thesis.config import TrainingConfig
+from indoor_explorers.learners.thesis.inference import CONVOLUTIONS, DENSE, MOVES, ImageFormat
 from indoor_explorers.learners.thesis.observation import LEVELS
 from indoor_explorers.learners.thesis.replay import ThesisBatch
-from indoor_explorers.learners.thesis.sizes import CONVOLUTIONS, DENSE, MOVES, ImageFormat
 
 
 class ThesisNetwork(nn.Module):
@@ -109,10 +109,6 @@ class ThesisLearner:
     def copy_target(self) -> None:
         """Copy the online network to the target network."""
         self.target.load_state_dict(self.online.state_dict())
-
-    def arrays(self) -> dict[str, NDArray[Any]]:
-        """Return the online network's arrays by name."""
-        return {name: value.numpy() for name, value in self.online.state_dict().items()}
 
     def tensors(self) -> dict[str, NDArray[Any]]:
         """Return everything that :meth:`restore` needs, by name."""

@@ -15,9 +15,8 @@ from indoor_explorers.env.policies.policy import TRAINED_GOAL, Policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.learners.guard import WatchedPilot
 from indoor_explorers.learners.sessions.record import RecordedWeights, digest_of
-from indoor_explorers.learners.thesis.inference import SHIPPED, q_values, trained
+from indoor_explorers.learners.thesis.inference import MOVES, SHIPPED, ImageFormat, q_values, trained
 from indoor_explorers.learners.thesis.observation import LEVELS, centred, painted, window
-from indoor_explorers.learners.thesis.sizes import MOVES, ImageFormat
 
 
 @dataclass(frozen=True, kw_only=True)

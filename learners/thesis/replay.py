@@ -9,8 +9,8 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
+from indoor_explorers.learners.thesis.inference import ImageFormat
 from indoor_explorers.learners.thesis.observation import LEVELS
-from indoor_explorers.learners.thesis.sizes import ImageFormat
 
 
 class Transitions(NamedTuple):

@@ -1,7 +1,5 @@
 """The networks that ship compute the same numbers, and fly the same moves, bit for bit, whatever reads their files."""
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Iterator
 from typing import Any

@@ -121,13 +121,7 @@ def _write(
 
 
 @leaf(entry=False)
-def write_candidates(
-    uav: Uav,
-    sensor: Sensor,
-    scratch: Scratch,
-    candidates: CandidateScratch,
-    out: np.ndarray,
-) -> None:
+def write_candidates(uav: Uav, sensor: Sensor, scratch: Scratch, candidates: CandidateScratch, out: np.ndarray) -> None:
     """Write the candidate features of a UAV's four moves into ``out`` (4, 10).
 
     The gains must be flooded before. ``uav.prospect``, the best candidates, is updated.

@@ -140,12 +140,7 @@ def _write_tours(uav: Uav, context: ObservationContext, moves: np.ndarray) -> No
 
 @leaf(entry=False)
 def _observe(
-    known: Known,
-    memory: ObservationMemory,
-    i: int,
-    context: ObservationContext,
-    scene: np.ndarray,
-    moves: np.ndarray,
+    known: Known, memory: ObservationMemory, i: int, context: ObservationContext, scene: np.ndarray, moves: np.ndarray
 ) -> None:
     """Update the memory and compute the observation of UAV ``i``; each stage needs those before it."""
     uav, layout, work = uav_of(known, memory, i), context.layout, context.scratch

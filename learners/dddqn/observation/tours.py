@@ -238,13 +238,7 @@ def _write(goal: Tour, mark: Tour, least: np.ndarray, left: int, total: float, e
 
 
 @leaf(entry=False)
-def write_tours(
-    uav: Uav,
-    scratch: TourScratch,
-    obstructed: bool,
-    blocked: np.ndarray,
-    out: np.ndarray,
-) -> None:
+def write_tours(uav: Uav, scratch: TourScratch, obstructed: bool, blocked: np.ndarray, out: np.ndarray) -> None:
     """Write the tour features of a UAV's four moves into ``out`` (4, 12).
 
     A ``blocked`` (4,) move has zeros, except that its steps beyond the shortest tours are 1. ``uav.views`` and

@@ -1,7 +1,5 @@
 """The policy: deterministic, picklable, and with clear errors."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
@@ -17,11 +15,13 @@ from indoor_explorers.learners.dddqn.pilot import DddqnPilot
 from indoor_explorers.learners.dddqn.policy import Dddqn
 from indoor_explorers.learners.dddqn.weights import load_weights, shipped
 from indoor_explorers.learners.places.policy import DddqnPlaces
-from tests.learners.dddqn.rooms import flight_of, fly, small_room, some_prior, write_network
+from tests.learners.dddqn.rooms import cells_flown, fly, small_room, some_prior, write_network
 
 
-def cells_flown(policy: Policy, preset: str = "thesis-team-2") -> NDArray[np.int64]:
-    return flight_of(policy, PRESETS[preset].for_evaluation().with_settings({"budget": 60}), [1], together=False)
+def flown(policy: Policy, preset: str = "thesis-team-2") -> NDArray[np.int64]:
+    world = World(PRESETS[preset].for_evaluation().with_settings({"budget": 60}))
+    world.reset([1])
+    return cells_flown(policy, world)
 
 
 def briefed(name: str, **settings: object) -> Briefing:
@@ -66,9 +66,9 @@ def test_weights_that_cannot_be_read_are_refused_in_one_line(tmp_path: Path) -> 
 def test_weights_written_anew_are_read_anew(tmp_path: Path) -> None:
     path = tmp_path / "weights.safetensors"
     policy = Dddqn(weights=write_network(path, 1))
-    first = cells_flown(policy)
+    first = flown(policy)
     write_network(path, 2)
-    assert not np.array_equal(first, cells_flown(policy))
+    assert not np.array_equal(first, flown(policy))
 
 
 def test_the_shipped_weights_explore_unseen_rooms_well() -> None:
@@ -119,9 +119,9 @@ def test_without_a_network_the_best_candidate_is_followed_on_large_maps(tmp_path
 
 
 def test_large_maps_are_flown_from_place_to_place() -> None:
-    alone, whole = (cells_flown(Dddqn(network=network), "small-cave") for network in (False, True))
-    assert np.array_equal(whole, cells_flown(DddqnPlaces(), "small-cave"))
-    assert np.array_equal(alone, cells_flown(DddqnPlaces(network=False), "small-cave"))
+    alone, whole = (flown(Dddqn(network=network), "small-cave") for network in (False, True))
+    assert np.array_equal(whole, flown(DddqnPlaces(), "small-cave"))
+    assert np.array_equal(alone, flown(DddqnPlaces(network=False), "small-cave"))
     assert not np.array_equal(alone, whole)
 
 
@@ -142,24 +142,24 @@ def test_results_tell_that_weights_fly_a_lidar_range_they_were_not_trained_with(
 
 
 def test_the_weights_suit_the_scenario() -> None:
-    def flown(name: str, **settings: object) -> str:
+    def suited(name: str, **settings: object) -> str:
         return Dddqn().suited(briefed(name, **settings))
 
-    assert flown("office") == "places"
+    assert suited("office") == "places"
     for name in ("thesis-open", "thesis-obstacles", "thesis-team-2-radio-unlimited"):
-        assert flown(name, **{"lidar.range": 4}) == "thesis-obstacles"
-    alone = {name: flown(name) for name in ("thesis-open", "thesis-obstacles")}
+        assert suited(name, **{"lidar.range": 4}) == "thesis-obstacles"
+    alone = {name: suited(name) for name in ("thesis-open", "thesis-obstacles")}
     assert alone == {name: name for name in alone}
-    teams = [flown(f"thesis-team-{team}-radio-{radio}") for team in (2, 4) for radio in (0, 3, "unlimited")]
+    teams = [suited(f"thesis-team-{team}-radio-{radio}") for team in (2, 4) for radio in (0, 3, "unlimited")]
     assert teams == 6 * ["thesis-obstacles"]
     assert {*alone, *teams} <= shipped().keys()
 
 
 def test_weights_that_see_the_map_alone_are_for_small_rooms() -> None:
-    def flown(name: str, **settings: object) -> str:
+    def suited(name: str, **settings: object) -> str:
         return Dddqn(map_alone=True).suited(briefed(name, **settings))
 
-    names = {name: flown(name) for name in ("thesis-open", "thesis-obstacles", "thesis-team-2")}
+    names = {name: suited(name) for name in ("thesis-open", "thesis-obstacles", "thesis-team-2")}
     assert list(names.values()) == ["thesis-open-map", "thesis-obstacles-map", "thesis-obstacles-map"]
     assert {*names.values()} <= shipped().keys()
     for name in names.values():
@@ -167,7 +167,7 @@ def test_weights_that_see_the_map_alone_are_for_small_rooms() -> None:
         assert (seen.gains, seen.tours, seen.prospects) == (False, False, False)
     for settings in ({"lidar.range": 9}, {"map.width": 17}):
         with pytest.raises(InputError, match=r"expected a map of up to 16x16 cells and a lidar range of 3 for we"):
-            flown("thesis-obstacles", **settings)
+            suited("thesis-obstacles", **settings)
     with pytest.raises(
         InputError, match=r"expected weights or map_alone, got both: 'thesis-open'; leave one of them out"
     ):

@@ -1,7 +1,5 @@
 """Weights files: what they hold, and what is said of those that hold something else."""
 
-from __future__ import annotations
-
 import json
 import os
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The session around a training: schedules, the best network, resuming, and records written before."""
 
-from __future__ import annotations
-
 import itertools
 import json
 import os
@@ -53,9 +51,10 @@ class Counter(Trainee):
         (folder / CHECKPOINT).write_text(str(self.steps))
 
 
-def session(out: Path, seed: int = 1, config: TrainingConfig = CONFIG, obstacles: int = 2, **wish: bool) -> Session:
+def session(out: Path, seed: int = 1, *, batch: int = 256, obstacles: int = 2, resume: bool = False) -> Session:
+    config = CONFIG.model_copy(update={"batch": batch})
     record = new_record("counter", config, small_room(obstacles), seed)
-    return Session(record, config, out, CHECKPOINT, resume=wish.get("resume", False), report=None)
+    return Session(record, config, out, CHECKPOINT, resume=resume, report=None)
 
 
 def steps(out: Path) -> list[float]:
@@ -125,14 +124,13 @@ def test_other_trainings_are_refused(tmp_path: Path) -> None:
     run.run(trainee)
     with pytest.raises(InputError, match="already holds a training; give --resume"):
         session(tmp_path)
-    smaller = CONFIG.model_copy(update={"batch": 8})
-    for other, match in (
+    for change, match in (
         ({"seed": 2}, "with seed 1, expected 2"),
-        ({"config": smaller}, "with batch 256, expected 8"),
+        ({"batch": 8}, "with batch 256, expected 8"),
         ({"obstacles": 3}, "with task"),
     ):
         with pytest.raises(InputError, match=match):
-            session(tmp_path, **other, resume=True)
+            session(tmp_path, **change, resume=True)
     with pytest.raises(InputError, match="expected a training of dddqn, got one of counter"):
         read_record(tmp_path, TrainingRecord, ["dddqn"])
 

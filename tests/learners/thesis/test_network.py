@@ -5,10 +5,9 @@ import pytest
 import torch
 
 from indoor_explorers.env import InputError
-from indoor_explorers.learners.thesis.inference import q_values, weights_from
+from indoor_explorers.learners.thesis.inference import ImageFormat, q_values, weights_from
 from indoor_explorers.learners.thesis.learner import duel, new_network
 from indoor_explorers.learners.thesis.observation import LEVELS
-from indoor_explorers.learners.thesis.sizes import ImageFormat
 
 from .rooms import MENDED_FORMAT, THESIS
 

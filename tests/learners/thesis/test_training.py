@@ -12,8 +12,7 @@ from indoor_explorers.env.scenarios.seed_sets import SEED_BLOCK
 from indoor_explorers.env.simulation.state import End
 from indoor_explorers.learners.sessions.record import RECORD
 from indoor_explorers.learners.thesis.config import MENDED, TrainingConfig
-from indoor_explorers.learners.thesis.train import train
-from indoor_explorers.learners.thesis.training import EPISODES, ThesisTraining
+from indoor_explorers.learners.thesis.train import EPISODES, ThesisTraining, train
 from tests.learners.dddqn.rooms import assert_same_checkpoints
 
 from .rooms import TINY, short, write_network

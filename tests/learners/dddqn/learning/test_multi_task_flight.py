@@ -1,7 +1,5 @@
 """Several scenarios in one training: what each flies is what it would fly alone, and all that follows from it."""
 
-from __future__ import annotations
-
 import os
 import signal
 from collections.abc import Callable
@@ -14,12 +12,11 @@ import pytest
 from indoor_explorers.env import InputError, Scenario
 from indoor_explorers.learners.dddqn.config import TrainingConfig
 from indoor_explorers.learners.dddqn.learning.multi_task_flight import MultiTaskFlight, shares
-from indoor_explorers.learners.dddqn.learning.training import Training
 from indoor_explorers.learners.dddqn.learning.vector_flight import VectorFlight
 from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
 from indoor_explorers.learners.dddqn.observation.map_prior import no_prior
 from indoor_explorers.learners.dddqn.observation.scales import sensor
-from indoor_explorers.learners.dddqn.train import Progress, train
+from indoor_explorers.learners.dddqn.train import Progress, Training, train
 from indoor_explorers.learners.sessions import session
 from indoor_explorers.learners.sessions.evaluation import Evaluation, mean_evaluation
 from indoor_explorers.learners.sessions.record import TrainingRecord, read_record

@@ -1,7 +1,5 @@
 """The replay ring, its sum tree and the stack of frames."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

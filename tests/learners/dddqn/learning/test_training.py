@@ -1,7 +1,5 @@
 """Training: reproducible, resumable, kept apart from evaluation, and of use."""
 
-from __future__ import annotations
-
 import json
 import os
 import signal
@@ -17,13 +15,12 @@ from indoor_explorers.env.simulation.state import End
 from indoor_explorers.evaluation.studies.training import nested
 from indoor_explorers.learners.dddqn.config import TrainingConfig
 from indoor_explorers.learners.dddqn.learning.learner import Learner
-from indoor_explorers.learners.dddqn.learning.training import Training, evaluate
 from indoor_explorers.learners.dddqn.learning.vector_flight import VectorFlight
 from indoor_explorers.learners.dddqn.network.config import NetworkConfig
 from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
 from indoor_explorers.learners.dddqn.observation.map_prior import no_prior
 from indoor_explorers.learners.dddqn.presets import PRESETS as LEARNED
-from indoor_explorers.learners.dddqn.train import Progress, train
+from indoor_explorers.learners.dddqn.train import Progress, Training, evaluate, train
 from indoor_explorers.learners.sessions.checkpoint import CHECKPOINT
 from indoor_explorers.learners.sessions.record import RECORD
 from indoor_explorers.learners.sessions.tensorboard import FOLDER

@@ -1,7 +1,5 @@
 """The learned map prior: what it is told, what it says, and that it learns."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from indoor_explorers.env import FREE, OCCUPIED, PRESETS, UNKNOWN

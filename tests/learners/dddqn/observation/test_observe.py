@@ -1,7 +1,5 @@
 """The observation: symmetric, complete, and of nothing but what the UAV knows."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from numpy.typing import NDArray

@@ -1,7 +1,5 @@
 """Tours: the beam search on bitboards against plain searches, and what the network is told of them."""
 
-from __future__ import annotations
-
 from collections import deque
 from itertools import pairwise
 
@@ -102,13 +100,19 @@ def small_belief(seed: int) -> tuple[Belief, tuple[int, int]]:
     return belief, (row, col)
 
 
+def passable(belief: Belief) -> nx.Graph:
+    """Return the graph of the cells that are not known obstacles."""
+    graph = nx.grid_2d_graph(*belief.shape)
+    graph.remove_nodes_from([tuple(cell) for cell in np.argwhere(belief == OCCUPIED).tolist()])
+    return graph
+
+
 def test_views_and_passages_follow_the_belief() -> None:
     for seed in range(8):
         belief, _ = small_belief(seed)
         room = Room(belief)
         assert room.obstructed == (belief == OCCUPIED).any()
-        graph = nx.grid_2d_graph(*belief.shape)
-        graph.remove_nodes_from([tuple(cell) for cell in np.argwhere(belief == OCCUPIED).tolist()])
+        graph = passable(belief)
         for r, c in np.argwhere(belief != OCCUPIED).tolist():
             found = {divmod(int(k), STRIDE) for k in room.passages[r * STRIDE + c] if k >= 0}
             assert found == set(graph[(r, c)])
@@ -133,7 +137,7 @@ def test_tours_are_valid_and_the_nearer_to_the_shortest_the_wider_the_beam(width
     for seed in range(40):
         belief, start = small_belief(seed)
         room = Room(belief)
-        reach = frozenset().union(*(room.seen(cell) for cell in _reached(room, start)))
+        reach = frozenset().union(*(room.seen(cell) for cell in nx.node_connected_component(passable(belief), start)))
         unseen = frozenset((r, c) for r, c in reach if belief[r, c] == UNKNOWN)
         aim = Aim(rest=1.0, halfway=5.0, isolation=8.0)
         at = start[0] * STRIDE + start[1]
@@ -149,12 +153,6 @@ def test_tours_are_valid_and_the_nearer_to_the_shortest_the_wider_the_beam(width
         extra.append(tour.steps - room.shortest(start, unseen, 1))
     assert min(extra) >= 0
     assert np.mean(extra) < longer
-
-
-def _reached(room: Room, start: tuple[int, int]) -> list[tuple[int, int]]:
-    graph = nx.grid_2d_graph(*room.belief.shape)
-    graph.remove_nodes_from([tuple(cell) for cell in np.argwhere(room.belief == OCCUPIED).tolist()])
-    return list(nx.node_connected_component(graph, start))
 
 
 def test_a_kept_tour_is_worth_what_is_left_of_it_and_nothing_when_blocked() -> None:
