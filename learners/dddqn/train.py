@@ -37,21 +37,12 @@ from indoor_explorers.learners.sessions.checkpoint import read_checkpoint, repor
 from indoor_explorers.learners.sessions.evaluation import T90, Evaluation, evaluate_world, mean_evaluation
 from indoor_explorers.learners.sessions.record import new_record
 from indoor_explorers.learners.sessions.seeds import evaluation_seeds, prior_seeds, training_seeds
-from indoor_explorers.learners.sessions.session import Progress, Session, Trainee, TrainingStatus
+from indoor_explorers.learners.sessions.session import Session, Trainee, TrainingStatus
 from indoor_explorers.learners.sessions.tensorboard import Scalars
 from indoor_explorers.learners.sessions.train import TrainingMethod
 from indoor_explorers.planners.toolbox.networks.tensors import WEIGHTS
 
-__all__ = [
-    "ABLATIONS",
-    "ABLATION_SETTINGS",
-    "PRESETS",
-    "TEAM_ABLATIONS",
-    "Progress",
-    "TrainingConfig",
-    "flown",
-    "train",
-]
+__all__ = ["ABLATIONS", "ABLATION_SETTINGS", "PRESETS", "TEAM_ABLATIONS", "TrainingConfig", "flown", "train"]
 
 
 class Training(Trainee):
@@ -72,7 +63,7 @@ class Training(Trainee):
         self.ended: list[int] = []
         """Lengths in steps of the episodes that ended since the last report."""
         found = None if checkpoint is None else read_checkpoint(checkpoint)
-        self.prior = self._fit_prior() if found is None else prior_from(_part(found[0], "prior."))
+        self.prior = self._fit_prior() if found is None else prior_from(found[0])
         self.flying_rng, self.learning_rng = (
             np.random.default_rng(part) for part in np.random.SeedSequence(seed).spawn(2)
         )
@@ -213,10 +204,6 @@ class Training(Trainee):
             self.steps, self.episodes = state["steps"], state["episodes"]
             self.flying_rng.bit_generator.state = state["flying_rng"]
             self.learning_rng.bit_generator.state = state["learning_rng"]
-
-
-def _part(tensors: Mapping[str, NDArray[Any]], prefix: str) -> dict[str, NDArray[Any]]:
-    return {name: array for name, array in tensors.items() if name.startswith(prefix)}
 
 
 def evaluate(

@@ -55,11 +55,10 @@ class ThesisReplay:
 
     def add(self, new: Transitions) -> None:
         """Write transitions over the oldest ones."""
-        for i in range(len(new.action)):
-            at = self.written % len(self.data.action)
-            for name, store in self.data._asdict().items():
-                store[at] = getattr(new, name)[i]
-            self.written += 1
+        places = (self.written + np.arange(len(new.action))) % len(self.data.action)
+        for name, store in self.data._asdict().items():
+            store[places] = getattr(new, name)
+        self.written += len(new.action)
 
     def sample(self, size: int, rng: np.random.Generator) -> ThesisBatch:
         """Draw ``size`` different transitions; ``size`` is at most :attr:`filled`."""

@@ -56,8 +56,8 @@ def _arranged(hidden: NDArray[Any], hidden_bias: NDArray[Any], out: NDArray[Any]
 
 
 def prior_from(arrays: Mapping[str, NDArray[Any]]) -> MapPrior:
-    """Return the prior with the arrays of a weights file, as :func:`prior_shapes` has them; empty without arrays."""
-    if not arrays:
+    """Return the prior with the arrays of a file, shaped as in :func:`prior_shapes`; empty if the file has none."""
+    if "prior.hidden" not in arrays:
         return no_prior()
     return _arranged(arrays["prior.hidden"], arrays["prior.hidden_bias"], arrays["prior.out"], arrays["prior.out_bias"])
 

@@ -44,19 +44,9 @@ _FINISHED, _STEPS, _DELAY, _HALFWAY = range(4)
 _LEAST_STEPS, _LEAST_DELAY, _LEAST_TO_MARK = range(3)
 #: Kinds of tours: to the goal, and to the mark of 90 %.
 _GOAL, _MARK = range(2)
-#: Columns of the features of a move, by their names.
-_GOAL_FOUND = TOURS.index("a tour to the goal was found")
-_GOAL_BEYOND = TOURS.index("its steps beyond the shortest")
-_GOAL_SHORTEST = TOURS.index("it is the shortest")
-_GOAL_STEPS = TOURS.index("its steps")
-_DELAY_BEYOND = TOURS.index("its delay beyond the least")
-_MEAN_UNSEEN = TOURS.index("its delay")
-_UNKNOWN_SHARE = TOURS.index("unknown share")
-_MARK_FOUND = TOURS.index("a tour to 90 % was found")
-_MARK_BEYOND = TOURS.index("its steps beyond the shortest to 90 %")
-_MARK_SHORTEST = TOURS.index("it is the shortest to 90 %")
-_MARK_STEPS = TOURS.index("its steps to 90 %")
-_GOAL_HALFWAY = TOURS.index("steps of the tour to the goal until 90 %")
+#: Columns of the features of a move, in the order of ``TOURS``.
+_GOAL_FOUND, _GOAL_BEYOND, _GOAL_SHORTEST, _GOAL_STEPS, _DELAY_BEYOND, _MEAN_UNSEEN = range(6)
+_UNKNOWN_SHARE, _MARK_FOUND, _MARK_BEYOND, _MARK_SHORTEST, _MARK_STEPS, _GOAL_HALFWAY = range(6, len(TOURS))
 
 
 class TourScratch(NamedTuple):

@@ -127,7 +127,9 @@ def test_episodes_of_a_training_are_its_own() -> None:
 
 
 @pytest.mark.slow
-def test_what_is_no_training_is_one_line(trained: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_other_folders_are_refused_in_one_line(
+    trained: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     copy = shutil.copytree(trained, tmp_path / "copy")
     assert "found no training.json in it" in refusal(f"rllib:{tmp_path / 'none'}")
     (copy / "weights.safetensors").write_bytes(b"no tensors")

@@ -211,7 +211,7 @@ def test_a_team_is_refused_in_one_line(tmp_path: Path, capsys: pytest.CaptureFix
     assert not (tmp_path / "out").exists()
 
 
-def test_an_observation_of_the_whole_map_flies_on_maps_of_its_size_alone(tmp_path: Path) -> None:
+def test_an_observation_of_the_whole_map_needs_maps_of_its_size(tmp_path: Path) -> None:
     train("sb3-a2c", tmp_path / "out", *ON_POLICY, "observation=free+obstacle+self", "total_steps=20")
     policy = make_policy(f"sb3:{tmp_path / 'out'}")
     assert flown(policy, [1]).shape == (30, 1, 2, 2)
@@ -221,7 +221,7 @@ def test_an_observation_of_the_whole_map_flies_on_maps_of_its_size_alone(tmp_pat
         policy.pilot(world.briefing(0, 0))
 
 
-def test_what_is_no_training_is_one_line(copy: Path, tmp_path: Path) -> None:
+def test_other_folders_are_refused_in_one_line(copy: Path, tmp_path: Path) -> None:
     assert "found no training.json in it" in refusal(f"sb3:{tmp_path / 'none'}")
     (copy / "model.zip").write_bytes(b"no zip")
     assert "expected the weights that sb3-ppo trained" in refusal(f"sb3:{copy}")

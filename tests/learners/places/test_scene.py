@@ -69,7 +69,7 @@ def test_costs_are_those_of_the_planner() -> None:
     assert scene.costs.max() <= COSTLIEST
 
 
-def test_without_the_guess_nothing_is_seen_of_it() -> None:
+def test_without_estimates_their_columns_are_zero() -> None:
     world = world_on_a_floor()
     scene = observed(world, guess=False)
     assert not scene.places[:, GUESS][:, 1:].any()
@@ -90,7 +90,7 @@ def test_a_known_map_has_no_places() -> None:
     assert Observer(pilot_of(world)).observe(view._replace(belief=np.full_like(view.belief, FREE))) is None
 
 
-def test_the_network_is_fed_what_the_planner_weighs() -> None:
+def test_the_inputs_depend_on_the_parameters_of_training() -> None:
     planner = FrontierPredictive()
     now = [getattr(planner, field.name) for kind in (TRAINED_ON, TRAINED_OUTLOOK) for field in fields(kind)]
     then = [*astuple(TRAINED_ON), *astuple(TRAINED_OUTLOOK)]

@@ -73,7 +73,7 @@ def test_a_better_place_becomes_likelier() -> None:
     assert (learned.argmax(1) == seen[:, :3].argmax(1)).mean() > 0.6
 
 
-def test_nothing_is_learned_from_what_is_common_to_all_places() -> None:
+def test_nothing_is_learned_from_rewards_common_to_all_places() -> None:
     torch.manual_seed(0)
     choices, network = random_choices(8192), AdvantageNet()
     before = outputs(network, choices)[:, :3]

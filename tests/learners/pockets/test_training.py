@@ -41,7 +41,7 @@ def random_examples(count: int) -> dict[str, np.ndarray]:
     }
 
 
-def test_training_learns_what_can_be_seen(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_loss_falls_on_learnable_examples(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("indoor_explorers.learners.pockets.learning.BATCH", 32)
     learner = PocketLearner(random_examples(320), epochs=4, seed=0)
     losses: list[float] = []
@@ -94,7 +94,7 @@ def test_examples_of_a_flight_are_complete() -> None:
     assert not found["real"].any()
 
 
-def test_estimates_are_judged_against_what_was_found() -> None:
+def test_estimates_are_judged_against_the_true_pockets() -> None:
     sizes = np.array([0.0, 0.0, 50.0, 50.0], np.float32)
     sure = np.where(sizes[:, None] > np.array(THRESHOLDS), 9.0, -9.0)
     outputs = np.concatenate([sure, np.zeros((4, OUTPUTS - len(THRESHOLDS)))], axis=1).astype(np.float32)

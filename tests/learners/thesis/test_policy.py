@@ -1,4 +1,4 @@
-"""The policy: its contract, its observation the training's, its errors in one line."""
+"""The policy: it observes as its training did, and its errors are one line."""
 
 import json
 from pathlib import Path

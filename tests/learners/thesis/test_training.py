@@ -1,4 +1,4 @@
-"""The training: what is remembered and learned when, what each switch changes there, and resuming bit for bit."""
+"""The thesis's training: its memory, the schedule of updates, the effect of each switch, and resuming bit for bit."""
 
 import csv
 import json
@@ -66,7 +66,7 @@ def _evaluations(folder):
     return record["evaluations"], record["training_coverage_by_step"], record["greedy_coverage_by_step"]
 
 
-def test_what_is_left_behind(tmp_path):
+def test_the_files_of_a_training_describe_it(tmp_path):
     seen = []
     scenario = short("thesis-open")
     path = train(TINY, scenario, tmp_path / "out", seed=5, report=seen.append)
@@ -144,7 +144,7 @@ def test_frames_are_stacked_and_the_first_one_repeated():
 
 
 @pytest.mark.parametrize(("mates", "learning"), [("random", 1), ("learn", 2)])
-def test_only_the_first_uavs_moves_are_learned_from_or_everybodys(mates, learning):
+def test_the_moves_of_the_first_uav_or_of_all_are_learned_from(mates, learning):
     training = flown(changed(mates=mates, memory=500), short("thesis-team-2-radio-0"), 1)
     assert training.steps == training.replay.written == 2 * learning
     codes = [set(np.unique(image)) - {0, 1, 2} for image in training.replay.data.images[: training.replay.written, 0]]

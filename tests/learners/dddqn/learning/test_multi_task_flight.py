@@ -1,4 +1,4 @@
-"""Several scenarios in one training: what each flies is what it would fly alone, and all that follows from it."""
+"""Several scenarios in one training: each is flown as it would be flown alone."""
 
 import os
 import signal
@@ -16,10 +16,11 @@ from indoor_explorers.learners.dddqn.learning.vector_flight import VectorFlight
 from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
 from indoor_explorers.learners.dddqn.observation.map_prior import no_prior
 from indoor_explorers.learners.dddqn.observation.scales import sensor
-from indoor_explorers.learners.dddqn.train import Progress, Training, train
+from indoor_explorers.learners.dddqn.train import Training, train
 from indoor_explorers.learners.sessions import session
 from indoor_explorers.learners.sessions.evaluation import Evaluation, mean_evaluation
 from indoor_explorers.learners.sessions.record import TrainingRecord, read_record
+from indoor_explorers.learners.sessions.session import Progress
 from tests.learners.dddqn.rooms import TINY, assert_same_checkpoints, small_room
 
 SIGHT = ObservationConfig(layers=("unknown", "free", "mates"), tours=False)

@@ -1,4 +1,4 @@
-"""Training: reproducible, resumable, kept apart from evaluation, and of use."""
+"""Training: reproducible, resumable, on other episodes than evaluation, and effective."""
 
 import json
 import os
@@ -20,9 +20,10 @@ from indoor_explorers.learners.dddqn.network.config import NetworkConfig
 from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
 from indoor_explorers.learners.dddqn.observation.map_prior import no_prior
 from indoor_explorers.learners.dddqn.presets import PRESETS as LEARNED
-from indoor_explorers.learners.dddqn.train import Progress, Training, evaluate, train
+from indoor_explorers.learners.dddqn.train import Training, evaluate, train
 from indoor_explorers.learners.sessions.checkpoint import CHECKPOINT
 from indoor_explorers.learners.sessions.record import RECORD
+from indoor_explorers.learners.sessions.session import Progress
 from indoor_explorers.learners.sessions.tensorboard import FOLDER
 from indoor_explorers.planners.toolbox.networks.tensors import read_tensors
 from tests.learners.dddqn.rooms import TINY, assert_same_checkpoints, small_room

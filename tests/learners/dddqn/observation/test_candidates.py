@@ -1,4 +1,4 @@
-"""The best places to look from, held against their definition."""
+"""Candidate features of the moves against their definition."""
 
 import math
 
@@ -98,7 +98,7 @@ def corridor() -> Belief:
     return belief
 
 
-def test_what_a_teammate_is_nearer_to_is_left_to_it():
+def test_cells_closer_to_a_teammate_are_left_to_it():
     best = [int(features(looked(corridor(), (1, 9)))[kind, :, BEST].argmax()) for kind in range(2)]
     assert best == [1, 1]
     left = {"mates": [(1, 5), (0, 0)], "ages": (2, -1)}
@@ -107,7 +107,7 @@ def test_what_a_teammate_is_nearer_to_is_left_to_it():
     assert features(looked(corridor(), (1, 9), **long_ago))[:, 1, BEST].tolist() == [1, 1]
 
 
-def test_a_prospect_is_held_on_to():
+def test_the_last_best_candidate_is_preferred():
     belief = corridor()
     fresh = looked(belief, (1, 10))
     assert features(fresh)[:, :, BEST].sum(axis=1).tolist() == [2, 2]
@@ -118,7 +118,7 @@ def test_a_prospect_is_held_on_to():
     assert features(held)[:, 1, BEST].tolist() == [0, 0]
 
 
-def test_a_teammate_in_the_way_bars_what_is_behind_it():
+def test_a_teammate_in_the_way_blocks_the_candidates_behind_it():
     watcher = looked(corridor(), (1, 9))
     watcher.memory.aimed[:] = 21 + 8
     watcher.look(corridor(), (1, 9))

@@ -1,4 +1,4 @@
-"""The learned map prior: what it is told, what it says, and that it learns."""
+"""The learned map prior: its inputs, its probabilities and its fitting."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Tours: the beam search on bitboards against plain searches, and what the network is told of them."""
+"""Tours: the beam search on bitboards against plain searches, and the tour features of the moves."""
 
 from collections import deque
 from itertools import pairwise
@@ -120,7 +120,7 @@ def test_views_and_passages_follow_the_belief() -> None:
             assert len(unknown) == view_gain(belief, (r, c), 3.0)
 
 
-def test_what_is_nearly_certain_to_be_an_obstacle_is_taken_for_one() -> None:
+def test_probable_obstacles_are_assumed_to_be_obstacles() -> None:
     for seed in range(4):
         belief, _ = small_belief(seed)
         unlikely = np.random.default_rng(seed).random(belief.shape) < 0.3
@@ -197,7 +197,7 @@ def test_blocked_moves_say_so_and_others_do_not() -> None:
     assert (beyond[~blocked] < 1).all()
 
 
-def test_what_a_teammate_is_nearer_to_is_left_to_it() -> None:
+def test_cells_closer_to_a_teammate_are_left_to_it() -> None:
     belief = np.full((3, 15), FREE, np.uint8)
     belief[:, :2] = belief[:, 13:] = UNKNOWN
     west = next(k for k in range(4) if MOVES[k].tolist() == [0, -1])
@@ -248,7 +248,7 @@ def test_sectors_are_as_large_as_each_other_and_meet_in_the_middle() -> None:
         assert (sectors((16, 16), PRESETS[name]) >= 0).all() == parted
 
 
-def test_what_is_as_near_to_two_is_left_to_the_lower_number() -> None:
+def test_equally_near_cells_are_left_to_the_lower_number() -> None:
     belief = np.full((3, 15), FREE, np.uint8)
     belief[:, :2] = UNKNOWN
     belief[1, 14] = UNKNOWN  # left where all else is a teammate's
