@@ -18,7 +18,7 @@ from indoor_explorers.evaluation.site.pictures.drawing import UAV, cells, svg
 from indoor_explorers.learners.dddqn.network.inference import NetworkWeights, q_values, without_network
 from indoor_explorers.learners.dddqn.observation.layout import BEYOND, BLOCKED, GAINS, TOURS, VISITS
 from indoor_explorers.learners.dddqn.policy import Dddqn
-from indoor_explorers.learners.dddqn.weights import Loaded, load_weights, shipped
+from indoor_explorers.learners.dddqn.weights import LoadedWeights, load_weights, shipped
 
 #: The weights and the view that are shown: a seed for trials, and a step at which network and rule choose other moves.
 NAME, SEED, STEP = "thesis-obstacles", 2, 9
@@ -65,7 +65,7 @@ def learner_pictures() -> dict[str, bytes]:
     return {f"learner-{name}.svg": svg(draw) for name, draw in drawn.items()}
 
 
-def _loaded() -> Loaded:
+def _loaded() -> LoadedWeights:
     return load_weights(shipped()[NAME])
 
 

@@ -46,7 +46,7 @@ def test_what_cannot_be_run_says_so(capsys):
     status, printed, errors = run(capsys, "check", f"{PLUGINS}:Raises")
     words = " ".join(printed.split())
     assert (status, errors) == (1, "")
-    assert "act raised RuntimeError: motor</script> failure To fix: see plugins.py, line " in words
+    assert "act raised RuntimeError: motor</script> failure To fix: see failing.py, line " in words
     assert words.count("not run: see decisions") == len(CHECKS) - 1
     assert f"0 of {len(CHECKS)} checks passed" in words
 

@@ -66,7 +66,7 @@ def test_a_failure_is_told_in_the_same_words(supervisor):
     plain = job("Raises", range(8))
     flown, here = supervisor.fly(plain), fly(Raises(), "Raises", TEAM, plain.tasks)
     assert sorted(map(facts, flown), key=str) == sorted(map(facts, here), key=str)
-    assert any("failure (plugins.py:" in record.reason for record in flown)
+    assert any("failure (failing.py:" in record.reason for record in flown)
 
 
 def test_the_process_of_a_policy_holds_no_world_no_map_and_no_seed(supervisor):
@@ -95,7 +95,7 @@ def test_what_a_uav_knows_cannot_be_written_to_there(supervisor):
 def test_a_policy_that_cannot_be_made_fails_or_is_refused(supervisor):
     (record,) = supervisor.fly(job("NeverMade", [0]))
     assert (record.outcome, record.steps) == (Outcome.FAILED, 0)
-    assert "RuntimeError: no weights (plugins.py:" in record.reason
+    assert "RuntimeError: no weights (failing.py:" in record.reason
     with pytest.raises(InputError, match="unknown parameter 'pace'"):
         supervisor.fly(job("Wander", [0], pace=3))
 

@@ -60,7 +60,7 @@ def test_a_policy_that_raises_costs_only_its_own_episodes():
     assert 0 < len(failed) < 12
     for record in records:
         if record in failed:
-            assert record.reason.startswith("RuntimeError: motor</script> failure (plugins.py:")
+            assert record.reason.startswith("RuntimeError: motor</script> failure (failing.py:")
             assert record.steps == 5
             assert record.covered.tolist() == healthy[record.task][4][:6]
         else:
