@@ -26,9 +26,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env import Action, World, make_policy, scenario
-from indoor_explorers.env.files import written_whole
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
 from indoor_explorers.evaluation.drawing.formatting import THIN_SPACE, fixed, percent
+from indoor_explorers.evaluation.studies.many_trainings import write_rows
 from indoor_explorers.evaluation.studies.thesis.experiments import AS_WAS, EXPERIMENTS, MENDED, ThesisExperiment
 from indoor_explorers.evaluation.studies.thesis.results import WEIGHTS, Run, read_run
 from indoor_explorers.learners.sessions.seeds import evaluation_seeds
@@ -210,10 +210,7 @@ def main(folders: Sequence[str], out: Path = MEASURED) -> None:
     found = list(rows([Path(folder) for folder in folders]))
     if not found:
         raise SystemExit(f"no finished trainings in {folders}; expected folders of indoor-explorers thesis")
-    with written_whole(out) as partial, partial.open("w", newline="", encoding="utf-8") as file:
-        table = csv.DictWriter(file, COLUMNS, restval="", lineterminator="\n")
-        table.writeheader()
-        table.writerows(found)
+    write_rows(out, COLUMNS, found)
 
 
 if __name__ == "__main__":

@@ -20,9 +20,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.files import written_whole
 from indoor_explorers.evaluation.drawing.formatting import percent
 from indoor_explorers.evaluation.site.studies.thesis import EVALUATED, VERSIONS, numbers, text
+from indoor_explorers.evaluation.studies.many_trainings import write_rows
 from indoor_explorers.evaluation.studies.thesis.experiments import EXPERIMENTS
 from indoor_explorers.evaluation.studies.thesis.results import Run, read_run
 from indoor_explorers.learners.thesis.config import TrainingConfig
@@ -96,10 +96,7 @@ def _changes(run: Run) -> tuple[str, ...]:
 
 def main(folders: Sequence[str], out: Path = MEASURED) -> None:
     """Write the file."""
-    with written_whole(out) as partial, partial.open("w", newline="", encoding="utf-8") as file:
-        table = csv.DictWriter(file, COLUMNS, restval="", lineterminator="\n")
-        table.writeheader()
-        table.writerows(rows([Path(folder) for folder in folders]))
+    write_rows(out, COLUMNS, rows([Path(folder) for folder in folders]))
 
 
 if __name__ == "__main__":

@@ -12,7 +12,15 @@ from matplotlib.ticker import FuncFormatter, NullLocator
 from numpy.typing import NDArray
 
 from indoor_explorers.evaluation.drawing.palette import COLOURS, PolicyStyle, policy_styles
-from indoor_explorers.evaluation.drawing.print_style import plain, print_style, save, sheet, strokes
+from indoor_explorers.evaluation.drawing.print_style import (
+    grid_below,
+    legend_beside,
+    plain,
+    print_style,
+    save,
+    sheet,
+    strokes,
+)
 from indoor_explorers.evaluation.studies.ablation.scoring import VariantScore
 
 #: Number of learning curves besides the full one's: those of the variants that differ most.
@@ -91,8 +99,7 @@ def _differences(axes: Axes, ranked: Sequence[VariantScore], full: VariantScore,
             axes.plot([estimate.low, estimate.high], [place, place], color=colour, linewidth=1.5, zorder=3)
         axes.plot([estimate.mean], [place], color=colour, marker="D", markersize=4.2, zorder=4)
     axes.set_ylim(len(ranked) - 0.4, -0.6)
-    axes.grid(color="#e8e8e8", linewidth=0.6)
-    axes.set_axisbelow(True)
+    grid_below(axes)
     axes.tick_params(axis="y", length=0)
 
 
@@ -136,9 +143,8 @@ def _learning(axes: Axes, shown: Sequence[VariantScore]) -> None:
     low, high = axes.get_ylim()
     ticks = [tick for tick in (10, 20, 30, 40, 50, 60, 80, 100, 150, 200, 300, 400, 600, 1000) if low <= tick <= high]
     axes.set_yticks(ticks)
-    axes.grid(color="#e8e8e8", linewidth=0.6)
-    axes.set_axisbelow(True)
-    axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0)
+    grid_below(axes)
+    legend_beside(axes, 1.01)
     _note(axes, "Lines: means of the trainings; bands: from the best to the worst of them.")
 
 

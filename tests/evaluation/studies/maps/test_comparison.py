@@ -9,8 +9,7 @@ from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.maps.sources import RoomsMaps
 from indoor_explorers.env.maps.statistics import Statistic
 from indoor_explorers.evaluation.cli import main
-from indoor_explorers.evaluation.studies.maps.comparison import COMPARED, distance, maps_of, measured, pooled
-from indoor_explorers.evaluation.studies.maps.pockets import fly
+from indoor_explorers.evaluation.studies.maps.comparison import COMPARED, distance, fly, maps_of, measured, pooled
 
 SIZE, SHARE = Statistic("size", "cells", True), Statistic("share", "", False)
 
