@@ -19,7 +19,7 @@ from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
 from indoor_explorers.env.files import written_whole
-from indoor_explorers.evaluation.analysis.changes.against import Against
+from indoor_explorers.evaluation.analysis.against import Against
 from indoor_explorers.evaluation.analysis.comparison import Comparison
 from indoor_explorers.evaluation.analysis.facts import shown
 from indoor_explorers.evaluation.analysis.failures import ending

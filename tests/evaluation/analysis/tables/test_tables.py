@@ -10,8 +10,12 @@ import pytest
 from indoor_explorers.evaluation.analysis.comparison import Comparison
 from indoor_explorers.evaluation.analysis.headline import headline
 from indoor_explorers.evaluation.analysis.tables.contrast_table import contrast_table
-from indoor_explorers.evaluation.analysis.tables.measures_table import measures_table
-from indoor_explorers.evaluation.analysis.tables.results_table import columns_of, constant_columns, results_table
+from indoor_explorers.evaluation.analysis.tables.results_table import (
+    columns_of,
+    constant_columns,
+    measures_table,
+    results_table,
+)
 from indoor_explorers.evaluation.drawing.palette import policy_styles
 from indoor_explorers.evaluation.harness.episodes.metrics import WASTED
 from indoor_explorers.evaluation.harness.episodes.record import Outcome, Record
