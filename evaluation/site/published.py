@@ -56,8 +56,8 @@ class Comparison:
         """The command that flies it; folders are named DIR."""
         words = ["indoor-explorers compare"]
         for name, value in (dict(self.options) | {"out": Path()}).items():
-            told = "DIR" if isinstance(value, Path) else ",".join(value) if isinstance(value, tuple) else value
-            words.append(f"--{name.replace('_', '-')} {told}")
+            written = "DIR" if isinstance(value, Path) else ",".join(value) if isinstance(value, tuple) else value
+            words.append(f"--{name.replace('_', '-')} {written}")
         return " ".join(words)
 
 
@@ -129,7 +129,7 @@ def _about(file: Path) -> str:
 
 
 def reports_page(reports: list[PublishedReport], *, with_suites: bool) -> str:
-    """Return the page that lists the reports, and tells how to have those of the suites where they are missing."""
+    """Return the page that lists the reports, and the way to fly the suites where they are missing."""
     lines = [
         "# Reports",
         "",

@@ -1,6 +1,6 @@
-"""The trainings of the thesis's experiments that THESIS.md shows, in short: a row of ``thesis.csv`` for each.
+"""The trainings of the thesis's experiments that THESIS.md shows, summarised: a row of ``thesis.csv`` for each.
 
-Written by hand from folders of ``indoor-explorers thesis``, of which it takes the trainings that are finished::
+Written manually from folders of ``indoor-explorers thesis``, of which it takes the trainings that are finished::
 
     indoor-explorers thesis --episodes 500 --out results/brief
     indoor-explorers thesis --episodes 500 --seed 2 --only 'rewards-*,obstacles-1' --out results/brief-2
@@ -144,7 +144,7 @@ def pairs() -> tuple[tuple[Training, ...], ...]:
 
 
 def rows(folders: Sequence[Path]) -> Iterator[dict[str, Any]]:
-    """Yield the rows of the file: those of the finished trainings of some folders, the first of equal ones."""
+    """Yield the rows of the file: the finished trainings of some folders, the first of equal ones."""
     written = set()
     for experiment in EXPERIMENTS:
         for folder in folders:

@@ -1,6 +1,6 @@
 """The thesis's learner with two changes, apart and together: a row of ``thesis_changes.csv`` for each training.
 
-Written by hand from folders of ``indoor-explorers thesis --only rewards-1-stuck-2 --episodes 1000``, with ``--seed``,
+Written manually from folders of ``indoor-explorers thesis --only rewards-1-stuck-2 --episodes 1000``, with ``--seed``,
 ``--versions`` and ``--set`` as THESIS.md tells::
 
     python -P -m indoor_explorers.evaluation.site.studies.thesis_changes results/both-1 results/both-2 ...
@@ -73,7 +73,7 @@ def results_table() -> list[str]:
 
 
 def rows(folders: Sequence[Path]) -> Iterator[dict[str, Any]]:
-    """Yield the rows of the file: those of the finished trainings of some folders, as it was first."""
+    """Yield the rows of the file: the finished trainings of some folders, the unchanged version first."""
     found = []
     for folder in folders:
         for version in VERSIONS:

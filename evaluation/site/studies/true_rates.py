@@ -1,4 +1,4 @@
-"""How often a comparison says what is not so, and what is: rates of simulated comparisons.
+"""False and true positive rates of the statements of a comparison, from simulated comparisons.
 
     python -P -m indoor_explorers.evaluation.site.studies.true_rates
 
@@ -90,7 +90,7 @@ def as_good(sample: Sample) -> NDArray[np.bool_]:
 
 
 class Case(NamedTuple):
-    """A row of the table: what is looked for, and where."""
+    """A row of the table: a statement, and the world that is simulated."""
 
     world: World
     said: Callable[[Sample], NDArray[np.bool_]]
@@ -108,7 +108,7 @@ class Case(NamedTuple):
 ONE = (1.0,) * 7
 APART = (1.0, *[1 + MARGIN] * 6)
 MIXED = (1.0, *3 * [1 + MARGIN], *3 * [1 / (1 + MARGIN)])
-#: What should be said in at most 5 % of comparisons.
+#: False statements, which at most 5 % of comparisons should make.
 FALSE = {
     "2 equal policies: one is better": Case(World(ONE[:2]), better),
     "7 equal policies: any is better": Case(World(ONE), better),
@@ -124,7 +124,7 @@ FALSE = {
     "3 are 5 % slower, 3 faster: any as good as it": Case(World(MIXED, noise=0.02), as_good),
     "the same, all fail in 5 %: any as good as it": Case(World(MIXED, [0.05], noise=0.02), as_good),
 }
-#: What is so, or cannot be known.
+#: True statements, and one that cannot be decided.
 TRUE = {
     "2, one 10 % slower: it is worse": Case(World([1, 1.1]), better, by_first=True),
     "2, equal, noise 4 %: as good within 5 %": Case(World(ONE[:2], noise=0.04), as_good),
