@@ -30,7 +30,7 @@ from indoor_explorers.evaluation.statistics import (
 )
 
 SUCCESS = Measure("goal reached", "share of episodes", "episodes that reached the scenario's goal coverage", False)
-#: The metrics that are compared; the times are replaced by those of the scenario's threshold.
+#: The metrics that are compared; the scenario's own times replace the times here.
 HEADLINE = ("auc", "t90", "t99", "success", "path_length", "collisions", "overlap", "messages_bytes", "latency_p50_us")
 
 

@@ -100,7 +100,7 @@ def render(
     ratio_to: Sequence[str] | None = None,
     panels: Sequence[str] = (),
 ) -> str:
-    """Return the page, in one piece, as text; its arguments are those of :func:`write_report`."""
+    """Return the page, in one piece, as text; for its arguments see :func:`write_report`."""
     return _Page(results, title, against, replays, ratio_to, panels).text()
 
 

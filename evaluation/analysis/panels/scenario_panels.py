@@ -19,7 +19,7 @@ from indoor_explorers.evaluation.analysis.panels.replay_links import ReplayCell,
 from indoor_explorers.evaluation.analysis.panels.times_by_map import TimesTable, times_table
 from indoor_explorers.evaluation.analysis.panels.win_matrix import win_matrix
 from indoor_explorers.evaluation.analysis.task_times import TaskTimes
-from indoor_explorers.evaluation.drawing.formatting import EN_DASH, percent
+from indoor_explorers.evaluation.drawing.formatting import EN_DASH, percent, span
 from indoor_explorers.evaluation.drawing.palette import Styles
 from indoor_explorers.evaluation.harness.episodes.record import Outcome, Record
 
@@ -89,7 +89,6 @@ def scenario_panels(comparison: Comparison, styles: Styles) -> ScenarioPanels:
     """Gather the panels of a scenario."""
     task_times = TaskTimes.of(comparison)
     records = comparison.records
-    counts = sorted({len(records) for records in comparison.groups.values()})
     return ScenarioPanels(
         duels=win_matrix(task_times),
         ranks=times_table(comparison, task_times),
@@ -97,7 +96,7 @@ def scenario_panels(comparison: Comparison, styles: Styles) -> ScenarioPanels:
         pareto=pareto_plot(comparison, styles),
         profile=profile_plot(task_times, styles, far_behind(comparison)),
         tasks=len(task_times.common().tasks),
-        episodes=" to ".join(str(count) for count in (counts[:1] + counts[-1:] if len(counts) > 1 else counts)),
+        episodes=span(map(len, comparison.groups.values())),
         causes=causes(failed_or_ended(records), {policy: len(group) for policy, group in comparison.groups.items()}),
     )
 

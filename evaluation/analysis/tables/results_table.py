@@ -52,7 +52,7 @@ class MeasureColumn(Column):
         return "reached" if self.kind == "reached" else self.metric
 
 
-#: The columns after those of times.
+#: The columns after the times.
 OTHERS = (
     MeasureColumn("AUC", key="auc", lower_is_better=False),
     MeasureColumn("path length", "cells", "path_length"),
@@ -168,17 +168,17 @@ def emphasised(comparison: Comparison, column: MeasureColumn, cells: dict[str, C
 
 
 def constant_columns(columns: Sequence[MeasureColumn], rows: Sequence[Row]) -> list[tuple[MeasureColumn, Cell]]:
-    """Return the columns with the same figure in every row, with that figure: the page names them below the table.
+    """Return the columns whose figure is the same in every row, and that figure; the page lists them below the table.
 
-    None for a single row. Times and drawings are always in the table, as is a figure that is shown to be bad.
+    A single row has none. Times, drawings and bad figures always stay in the table.
     """
     if len(rows) < 2:
         return []
     shown = [(column, [row.cells[place] for row in rows]) for place, column in enumerate(columns)]
-    return [(column, cells[0]) for column, cells in shown if _may_go(column) and _same(cells)]
+    return [(column, cells[0]) for column, cells in shown if _may_be_left_out(column) and _same(cells)]
 
 
-def _may_go(column: MeasureColumn) -> bool:
+def _may_be_left_out(column: MeasureColumn) -> bool:
     return column.kind != "dots" and (column.kind == "reached" or not column.of_time)
 
 

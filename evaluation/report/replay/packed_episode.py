@@ -142,7 +142,7 @@ def frame_steps(steps: int, stride: int) -> list[int]:
 
 
 def pack_episode(flight: ReplayEpisode, stride: int, *, own: bool = True) -> bytes:
-    """Pack an episode frame by frame, with each ``own`` map or with those of the team and the base alone.
+    """Pack an episode frame by frame, with each UAV's ``own`` map, or only with the maps of the team and the base.
 
     A frame is a list of whole numbers: the moves of each UAV (row, column; folded), the cells flown and the bytes sent
     since the frame before, the contacts that began or ended, and for each group of those linked, ordered by its first

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, NullLocator
 from numpy.typing import NDArray
 
+from indoor_explorers.evaluation.drawing.formatting import span
 from indoor_explorers.evaluation.drawing.palette import COLOURS, PolicyStyle, policy_styles
 from indoor_explorers.evaluation.drawing.print_style import (
     grid_below,
@@ -23,7 +24,7 @@ from indoor_explorers.evaluation.drawing.print_style import (
 )
 from indoor_explorers.evaluation.studies.ablation.scoring import VariantScore
 
-#: Number of learning curves besides the full one's: those of the variants that differ most.
+#: Number of learning curves besides the full variant's; the variants that differ most are drawn.
 CURVES = 4
 #: An axis is linear up to NEAR steps, and logarithmic beyond if a difference is larger than FAR x NEAR.
 NEAR, FAR = 10.0, 8.0
@@ -64,8 +65,7 @@ def ablation_figure(found: Sequence[VariantScore], scenario: str) -> Figure:
 
 
 def _made_of(found: Sequence[VariantScore]) -> str:
-    counts = sorted({len(variant.seeds) for variant in found})
-    seeds = f"{counts[0]}" if len(counts) == 1 else f"{counts[0]} to {counts[-1]}"
+    seeds = span(len(variant.seeds) for variant in found)
     maps = found[0].times["t99"].shape[1]
     return f"Means over {seeds} trainings, a dot each, on {maps} unseen maps; 95 % intervals over both."
 

@@ -105,7 +105,7 @@ def decisions(policy: str, side: int, lidar_range: float, team: int, steps: int,
 
 
 def figures() -> dict[str, Callable[[], float]]:
-    """Return a function that measures each figure, by name; those of a policy and map share their episodes."""
+    """Return a function that measures each figure, by name; figures of one policy and map share their episodes."""
     found: dict[str, Callable[[], float]] = {}
     for side, cells, team, steps, flights in ((16, 3.0, 2, 200, 5), (250, 10.0, 2, 200, 5), (250, 10.0, 4, 400, 2)):
         for policy in policy_entry_points():

@@ -29,7 +29,7 @@ SPEED = "agent-steps/s"
 
 
 def measures(*, everything: bool = False, growing: bool = False) -> list[Benchmark]:
-    """Return the benchmarks; ``growing`` adds those of growth, ``everything`` also those that take minutes."""
+    """Return the benchmarks; ``growing`` adds growth, ``everything`` also the ones that take minutes."""
     found = [*_world(), *_memory(), *_starts(), *_interfaces(), *_lidar(), *_decisions(), *_harness(everything)]
     if growing or everything:
         found += [Benchmark("Growth", name, SPEED, take) for name, take in growth.growth().items()]

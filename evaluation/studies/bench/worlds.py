@@ -108,7 +108,7 @@ def next_episodes(world: World, seeds: Iterator[int]) -> bool:
 
 
 def memory(task: Scenario) -> float:
-    """Return the bytes of one episode of a batch: those of all arrays of the state."""
+    """Return the bytes of one episode of a batch, over all arrays of the state."""
     world = World(task, 2)
     world.reset([0, 1])
     return sum(array.nbytes for array in world.state) / world.batch

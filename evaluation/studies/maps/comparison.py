@@ -20,41 +20,41 @@ from indoor_explorers.env.simulation.spawns import draw_floorplan
 from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters
 from indoor_explorers.planners.toolbox.pockets.labels import true_pockets
 
-#: The policy that flies, and steps from one look at its frontiers to the next.
+#: The policy that flies, and steps from one sample of its frontiers to the next.
 POLICY, EVERY = "frontier-nearest", 25
 
 
 class Frontiers(NamedTuple):
-    """What the looks of one flight found."""
+    """Frontier statistics sampled during one flight."""
 
     pockets: NDArray[np.float64]
-    """(K,) unknown free cells behind each frontier cluster of each look, see
+    """(K,) unknown free cells behind each frontier cluster of each sample, see
     :func:`~indoor_explorers.planners.toolbox.pockets.labels.true_pockets`."""
     clusters: NDArray[np.float64]
-    """(L,) frontier clusters of each look."""
+    """(L,) number of frontier clusters of each sample."""
 
 
-def fly(plan: Floorplan, scenario: Scenario, seed: int) -> Frontiers:
-    """Explore a map to the end with one UAV that has the scenario's lidar, and look at its frontiers now and then."""
+def sampled_frontiers(plan: Floorplan, scenario: Scenario, seed: int) -> Frontiers:
+    """Explore a map with one UAV and the scenario's lidar; sample its frontiers every :data:`EVERY` steps."""
     world = World(scenario.with_settings({"team": 1, "spawn": "random", "budget": None}).for_evaluation())
     world.begin(0, seed, floorplan=plan)
     policy = make_policy(POLICY)
     asks = ask_pilots(policy, make_pilots(policy, world), world)
     looks: list[NDArray[np.float64]] = []
 
-    def look_and_ask(flying: list[Uav]) -> Iterable[tuple[Uav, int]]:
+    def sample_and_ask(flying: list[Uav]) -> Iterable[tuple[Uav, int]]:
         view = world.view(0, 0)
         if view.step % EVERY == 0:
             clusters = frontier_clusters(view.belief, scenario.lidar.range)
             looks.append(true_pockets(view.belief, plan.truth, distance_field(view.belief, view.cell), clusters).sizes)
         return asks(flying)
 
-    for _ in rollout(world, look_and_ask):
+    for _ in rollout(world, sample_and_ask):
         pass
     return Frontiers(np.concatenate([np.zeros(0), *looks]), np.array([float(len(look)) for look in looks]))
 
 
-#: The statistics of a map, and those of a flight in it.
+#: The statistics of a map, and of a flight in it.
 COMPARED = (
     *STATISTICS,
     Statistic("pocket", "unknown free cells behind a frontier cluster", True),
@@ -97,7 +97,7 @@ class MapSet(NamedTuple):
 
 
 def maps_of(scenario: Scenario, count: int, seed: int) -> list[Floorplan]:
-    """Return all maps of map files, else those of ``count`` seeds from ``seed`` on."""
+    """Return all maps of map files, or the generated maps of ``count`` seeds from ``seed`` on."""
     seeds = range(seed, seed + count) if scenario.map.generated else (seed,)
     return [draw_floorplan(scenario, each, index) for each in seeds for index in range(scenario.map.count)]
 
@@ -106,7 +106,7 @@ def measured(name: str, plans: Sequence[Floorplan], scenario: Scenario, seed: in
     """Return the statistics of some maps, each flown once with the scenario's lidar from a start of its seed."""
     found: dict[str, list[NDArray[np.float64]]] = {kind.name: [] for kind in COMPARED}
     for number, plan in enumerate(plans):
-        flight = fly(plan, scenario, seed + number)
+        flight = sampled_frontiers(plan, scenario, seed + number)
         values = map_statistics(plan.main_part)
         values["pocket"], values["clusters"] = flight.pockets, flight.clusters
         for kind in COMPARED:
