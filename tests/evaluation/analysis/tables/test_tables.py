@@ -73,15 +73,6 @@ def test_a_headline_claims_only_what_was_shown(results: Results, shift: list[int
     assert words in headline(Comparison(_with_t99(two, "broken", shift), "rooms"))
 
 
-def test_a_headline_without_rivals_or_success(results: Results) -> None:
-    alone = [record for record in results.records if record.policy == "broken"]
-    policies = {"broken": results.policies["broken"]}
-    nobody = headline(Comparison(Results(policies, results.scenarios, [], alone), "rooms"))
-    assert "No policy reached 99 %" in nobody
-    there = [replace(record, metrics=record.metrics | {"t99": 9.0}) for record in alone]
-    assert "no other policy" in headline(Comparison(Results(policies, results.scenarios, [], there), "rooms"))
-
-
 def test_maps_get_a_table_of_their_own(results: Results) -> None:
     records = [
         replace(r, task=r.task._replace(map_index=r.task.seed % 2), floorplan=replace(r.floorplan, name=f"house-{k}"))
