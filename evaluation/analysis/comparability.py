@@ -216,18 +216,17 @@ def _unlike_sizes(results: Results) -> Iterator[str]:
 
 
 def _privileged(results: Results) -> Iterator[str]:
-    if results.privileged_policies:
-        names = ", ".join(results.privileged_policies)
-        yield f"Privileged policies, which are given the true map and are not ranked: {names}."
-    if results.generator_policies:
-        names = ", ".join(results.generator_policies)
-        yield f"Policies that read the settings of the random generator that draws the maps, never the map: {names}."
-    if results.exposed_policies:
-        names = ", ".join(results.exposed_policies)
-        yield f"Policies from outside this package that {EXPOSED}: {names}."
-    if results.batched_policies:
-        names = ", ".join(results.batched_policies)
-        yield f"Policies that decide for many UAVs at once, whose decision times are shares of a batch: {names}."
+    groups = {
+        "Privileged policies, which are given the true map and are not ranked": results.privileged_policies,
+        "Policies that read the settings of the random generator that draws the maps, never the map": (
+            results.generator_policies
+        ),
+        f"Policies from outside this package that {EXPOSED}": results.exposed_policies,
+        "Policies that decide for many UAVs at once, whose decision times are shares of a batch": (
+            results.batched_policies
+        ),
+    }
+    yield from (f"{text}: {', '.join(names)}." for text, names in groups.items() if names)
 
 
 def _aims(results: Results) -> Iterator[str]:

@@ -6,15 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from markupsafe import Markup
-
 from indoor_explorers.evaluation.analysis.comparison import Comparison
 from indoor_explorers.evaluation.analysis.failures import by_cause, ending, failed_or_ended, uav_ends
 from indoor_explorers.evaluation.analysis.outliers import far_behind
 from indoor_explorers.evaluation.analysis.panels.pareto_plot import pareto_plot
 from indoor_explorers.evaluation.analysis.panels.performance_profile import profile_plot
 from indoor_explorers.evaluation.analysis.panels.plot_data import Plot
-from indoor_explorers.evaluation.analysis.panels.rank_plot import Improvement, RankRow, rank_rows
+from indoor_explorers.evaluation.analysis.panels.rank_plot import RankRow, rank_rows
 from indoor_explorers.evaluation.analysis.panels.replay_links import ReplayCell, replay_link
 from indoor_explorers.evaluation.analysis.panels.times_by_map import TimesTable, times_table
 from indoor_explorers.evaluation.analysis.panels.win_matrix import win_matrix
@@ -61,21 +59,12 @@ def _cause(records: list[Record], flown: int) -> Cause:
 
 
 @dataclass(frozen=True)
-class RankPlotRow:
-    """A row of the rank plot with its drawings."""
-
-    ranked: RankRow
-    next_dot_plot: Markup | None
-    best_dot_plot: Markup | None
-
-
-@dataclass(frozen=True)
 class ScenarioPanels:
     """The panels of a scenario; one without content is None or empty and is left out."""
 
     duels: list[tuple[str, list[ReplayCell]]]
     ranks: TimesTable | None
-    rank_plot: list[RankPlotRow]
+    rank_plot: list[RankRow]
     pareto: Plot | None
     profile: Plot | None
     tasks: int
@@ -83,6 +72,7 @@ class ScenarioPanels:
     episodes: str
     """Number of episodes of each policy."""
     causes: list[Cause]
+    styles: Styles
 
 
 def scenario_panels(comparison: Comparison, styles: Styles) -> ScenarioPanels:
@@ -92,17 +82,11 @@ def scenario_panels(comparison: Comparison, styles: Styles) -> ScenarioPanels:
     return ScenarioPanels(
         duels=win_matrix(task_times),
         ranks=times_table(comparison, task_times),
-        rank_plot=[_plot_row(row, styles) for row in rank_rows(task_times)],
+        rank_plot=rank_rows(task_times),
         pareto=pareto_plot(comparison, styles),
         profile=profile_plot(task_times, styles, far_behind(comparison)),
         tasks=len(task_times.common().tasks),
         episodes=span(map(len, comparison.groups.values())),
         causes=causes(failed_or_ended(records), {policy: len(group) for policy, group in comparison.groups.items()}),
+        styles=styles,
     )
-
-
-def _plot_row(row: RankRow, styles: Styles) -> RankPlotRow:
-    def dot_plot(improvement: Improvement | None) -> Markup | None:
-        return improvement.dot_plot(styles[improvement.policy]) if improvement is not None else None
-
-    return RankPlotRow(row, dot_plot(row.next), dot_plot(row.best))

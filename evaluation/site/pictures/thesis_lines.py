@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from indoor_explorers.evaluation.drawing.formatting import fixed
 from indoor_explorers.evaluation.drawing.palette import COLOURS
 from indoor_explorers.evaluation.drawing.print_style import percent_axis
-from indoor_explorers.evaluation.site.studies.thesis import Training
+from indoor_explorers.evaluation.site.studies.thesis import MeasuredTraining
 
 LABELS = ("as it was", "mended")
 #: Lines of the first and of the second seed.
@@ -27,7 +27,7 @@ GREEDY = {
     "stuck": ("UAVs stuck", COLOURS[4][0]),
 }
 
-Pair = tuple[Training, ...]
+Pair = tuple[MeasuredTraining, ...]
 
 
 class Curve(NamedTuple):

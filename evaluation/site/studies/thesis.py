@@ -52,7 +52,7 @@ COLUMNS = (
 )
 
 
-class Training(NamedTuple):
+class MeasuredTraining(NamedTuple):
     """A training of the file."""
 
     run: Run
@@ -80,7 +80,7 @@ class Training(NamedTuple):
 
 
 @cache
-def measured() -> tuple[Training, ...]:
+def measured() -> tuple[MeasuredTraining, ...]:
     """Return the trainings of the file, in the thesis's order, by seed and version."""
     by_name = {experiment.name: experiment for experiment in EXPERIMENTS}
     csv.field_size_limit(sys.maxsize)
@@ -88,7 +88,7 @@ def measured() -> tuple[Training, ...]:
         return tuple(_training(by_name[row["experiment"]], row) for row in csv.DictReader(file))
 
 
-def _training(experiment: ThesisExperiment, row: dict[str, str]) -> Training:
+def _training(experiment: ThesisExperiment, row: dict[str, str]) -> MeasuredTraining:
     figures = {name: float(row[name]) for name in (*SCORES, *FIGURES)}
     points = zip(*(numbers(row[f"at_{name}"]) for name in EVALUATED), strict=True)
     record: dict[str, Any] = {
@@ -102,7 +102,7 @@ def _training(experiment: ThesisExperiment, row: dict[str, str]) -> Training:
     run = Run(experiment, row["version"], record, numbers(row["scores"]))
     counted = {name: float(row[name]) for name in COUNTED if row[name]}
     seed = int(row["flown_seed"]) if row["flown_seed"] else None
-    return Training(run, figures, counted, seed, tuple(row["moves"].split()))
+    return MeasuredTraining(run, figures, counted, seed, tuple(row["moves"].split()))
 
 
 def numbers(listed: str) -> NDArray[np.float64]:
@@ -110,7 +110,7 @@ def numbers(listed: str) -> NDArray[np.float64]:
     return np.array(listed.split(), np.float64)
 
 
-def replayed(training: Training) -> Iterator[World]:
+def replayed(training: MeasuredTraining) -> Iterator[World]:
     """Yield the world at the start and after each step of the greedy episode that was kept."""
     assert training.flown_seed is not None
     world = World(scenario(training.run.experiment.scenario))
@@ -136,7 +136,7 @@ def results_table() -> list[str]:
 
 
 @cache
-def pairs() -> tuple[tuple[Training, ...], ...]:
+def pairs() -> tuple[tuple[MeasuredTraining, ...], ...]:
     """Return the trainings of each experiment and seed of which the file has both: as it was, and mended."""
     places = dict.fromkeys((training.run.experiment.name, training.seed) for training in measured())
     found = [tuple(t for t in measured() if (t.run.experiment.name, t.seed) == place) for place in places]

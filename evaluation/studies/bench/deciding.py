@@ -112,12 +112,8 @@ def figures() -> dict[str, Callable[[], float]]:
             take = partial(decisions, policy, side, cells, team, steps, flights)
             name = f"decide-{policy}-{side}x{side}" + (f"-team{team}" if team > 2 else "")
             for tail, of in (("", Decisions.median), ("-p99", Decisions.slowest), ("-planning", Decisions.planning)):
-                found[name + tail] = partial(_figure, of, take)
+                found[name + tail] = partial(lambda of, take: of(take()), of, take)
     return found
-
-
-def _figure(of: Callable[[Decisions], float], take: Callable[[], Decisions]) -> float:
-    return of(take())
 
 
 @cache
