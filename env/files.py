@@ -11,10 +11,28 @@ from contextlib import contextmanager
 from pathlib import Path
 from uuid import uuid4
 
+from indoor_explorers.env.errors import InputError
+
 
 def expanded(path: str | Path) -> Path:
     """Return a path with the home folder in place of ``~`` at its beginning; that of an unknown user stays."""
     return Path(os.path.expanduser(path))  # noqa: PTH111, pathlib's raises for users that do not exist
+
+
+@contextmanager
+def writable(path: Path, option: str) -> Iterator[None]:
+    """Tell a user whose files cannot be written to choose another path with ``option``.
+
+    Raises:
+        InputError: a file cannot be written.
+
+    """
+    try:
+        yield
+    except OSError as error:
+        raise InputError(
+            f"{error.filename or path}: cannot be written: {error.strerror}; choose another {option}"
+        ) from error
 
 
 @contextmanager

@@ -106,9 +106,8 @@ def _compare(options: MapsOptions) -> int:
     from indoor_explorers.env.errors import InputError
     from indoor_explorers.env.maps.files import read_map
     from indoor_explorers.env.scenarios.loading import named_scenario
-    from indoor_explorers.evaluation.studies.maps.comparison import maps_of, measured
+    from indoor_explorers.evaluation.studies.maps.comparison import comparison_table, maps_of, measured
     from indoor_explorers.evaluation.studies.maps.drawing import write_comparison
-    from indoor_explorers.evaluation.studies.maps.table import comparison_table
 
     if options.scenario or not options.paths:
         raise InputError("expected the paths of map files with --compare and no --scenario; see maps --help")

@@ -48,8 +48,7 @@ class ReportOptions(Request):
 def run_report(options: ReportOptions, typed: str) -> int:
     """Rebuild a report from one folder, or combine several; print what changed against old results."""
     from indoor_explorers.env.errors import InputError
-    from indoor_explorers.evaluation.analysis.changes.against import compare_with
-    from indoor_explorers.evaluation.analysis.changes.against_table import against_lines
+    from indoor_explorers.evaluation.analysis.against import against_lines, compare_with
     from indoor_explorers.evaluation.harness.results.combine import combined
     from indoor_explorers.evaluation.harness.results.custom_metrics import with_metrics
     from indoor_explorers.evaluation.harness.results.results import Results

@@ -5,12 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from itertools import groupby
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from rich.console import RenderableType
+from rich.text import Text
 
 from indoor_explorers.evaluation.drawing.formatting import counted, decimals_for, fixed, with_interval
+from indoor_explorers.evaluation.drawing.table import Cell, Column, Row, Table, terminal_table, words
 from indoor_explorers.evaluation.harness.episodes.metrics import LEVELS, MEASURES, OF_THE_MACHINE, Measure
 from indoor_explorers.evaluation.harness.episodes.record import Outcome, Record
 from indoor_explorers.evaluation.harness.results.combine import scenario_difference
@@ -26,7 +30,7 @@ from indoor_explorers.evaluation.statistics import (
 )
 
 SUCCESS = Measure("goal reached", "share of episodes", "episodes that reached the scenario's goal coverage", False)
-#: The metrics that are compared; the times are replaced by those of the scenario's threshold.
+#: The metrics that are compared; the scenario's own times replace the times here.
 HEADLINE = ("auc", "t90", "t99", "success", "path_length", "collisions", "overlap", "messages_bytes", "latency_p50_us")
 
 
@@ -251,3 +255,35 @@ def _apart_within(new: Results, old: Results, scenario: str) -> Iterator[str]:
             if ours != theirs:
                 common = counted(len(ours & theirs), "task")
                 yield f"policy {policy!r} on {scenario!r}: {common} in both, {len(ours ^ theirs)} in one only"
+
+
+#: Width in characters from which old and new means are shown beside their difference.
+WIDE = 110
+
+
+def against_lines(against: Against, width: int = WIDE) -> Iterator[RenderableType]:
+    """Yield the parts of the terminal's output: a table, significant changes first, and what could not be compared."""
+    if against.changes:
+        yield terminal_table(_table(against, width >= WIDE))
+    yield Text(f"{against.shown} of {counted(len(against.changes), 'comparison')} changed significantly")
+    for each in against.identities:
+        yield Text(f"{each.scenario}, {each.policy}: {each.text}")
+    for line in against.apart:
+        yield Text(line, "yellow")
+
+
+def _table(against: Against, wide: bool) -> Table:
+    headings = ("old", "new", "new - old", "detectable") if wide else ("new - old",)
+    rows, several = list[Row](), len({change.scenario for change in against.changes}) > 1
+    for scenario, changes in groupby(against.changes, lambda change: change.scenario):
+        rows += [Row(scenario)] if several else []
+        for change in changes:
+            figures = map(Cell, (change.title, *(change.figures if wide else change.figures[2:3])))
+            rows.append(Row(change.policy, [*figures, Cell(change.verdict, style=_style(change))]))
+    return Table([words("policy", 14), Column("figure", left=True), *map(Column, headings), words("")], rows)
+
+
+def _style(change: Change) -> str:
+    if not change.shown:
+        return "dim"
+    return "bold green" if change.better else "bold red"

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from indoor_explorers.evaluation.analysis.changes.against import HEADLINE, compare_with
-from indoor_explorers.evaluation.analysis.changes.against_table import against_lines
+from indoor_explorers.evaluation.analysis.against import HEADLINE, against_lines, compare_with
 from indoor_explorers.evaluation.cli.parser import main
 from indoor_explorers.evaluation.report.page import render
 from tests.evaluation.special_names import NAMES, SCENARIO, results
