@@ -1,8 +1,9 @@
-"""The array types that cross module borders: their names, and arrays that can be read only."""
+"""The array types that cross module borders, named tuples of arrays, and arrays that can be read only."""
 
 from __future__ import annotations
 
-from typing import Any, TypeAlias
+from functools import cache
+from typing import Any, TypeAlias, TypeVar, get_args, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,32 @@ Mask: TypeAlias = NDArray[np.bool_]
 Distances: TypeAlias = NDArray[np.int32]
 #: (row, column).
 Cell: TypeAlias = tuple[int, int]
+#: A named tuple of arrays.
+ArrayTuple = TypeVar("ArrayTuple", bound=tuple[NDArray[Any], ...])
+
+
+def allocated(kind: type[ArrayTuple], **sizes: int) -> ArrayTuple:
+    """Return a named tuple of zeros; its fields are annotated like ``Annotated[NDArray[np.int64], "B N 2"]``.
+
+    Args:
+        kind: The class of the named tuple.
+        **sizes: The length of each named axis; a number in an annotation is the length of its own axis.
+
+    """
+    return kind(*(np.zeros([sizes[n] if n in sizes else int(n) for n in axes], dtype) for dtype, axes in _fields(kind)))
+
+
+@cache
+def _fields(kind: type[Any]) -> list[tuple[type[np.generic], list[str]]]:
+    """Return the type and the axes of each array of a named tuple."""
+    annotated = [get_args(hint) for hint in get_type_hints(kind, include_extras=True).values()]
+    return [(get_args(get_args(array)[1])[0], axes.split()) for array, axes in annotated]
+
+
+def copied(arrays: ArrayTuple) -> ArrayTuple:
+    """Return a named tuple with arrays of its own; an array that it has twice, its copy has twice."""
+    copies = {id(array): array.copy() for array in arrays}
+    return type(arrays)(*(copies[id(array)] for array in arrays))
 
 
 #: The arrays whose memory is lent, by the number of their window; no window refers to its array.

@@ -7,19 +7,23 @@ own cell, follows from its scans and odometry.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
+from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.cells import TURN
 from indoor_explorers.env.grid.compiled import inner, kernel
 from indoor_explorers.env.grid.randomness import Stream, draw, shuffled, stream_key
+from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.simulation.contacts import contacts_of
 from indoor_explorers.env.simulation.engine import Engine
 from indoor_explorers.env.simulation.slam.exchange import share
 from indoor_explorers.env.simulation.slam.localisation import close_loop, count_errors, drift, meet_mates
 from indoor_explorers.env.simulation.slam.maps import forget_lost, move_scan, place_agent
 from indoor_explorers.env.simulation.slam.scans import read_scan
-from indoor_explorers.env.simulation.slam.state import ErrorRules, Parts, Readings, Slam
-from indoor_explorers.env.simulation.state import End
+from indoor_explorers.env.simulation.slam.state import ErrorRules, Parts, Readings, Slam, error_rules_of
+from indoor_explorers.env.simulation.state import End, State
 from indoor_explorers.env.simulation.step import clear_step, finish_step, move, update_legal
 
 FLYING = int(End.FLYING)
@@ -157,3 +161,20 @@ def advance_uncertain(
         _fail_and_contact(parts, b)
         count_errors(state, parts.slam, b)
         finish_step(engine.rules, state, b)
+
+
+class UncertainModel:
+    """Begin and advance the episodes of a world whose sensors or poses err."""
+
+    def __init__(self, scenario: Scenario, slam: Slam) -> None:
+        self._errors = error_rules_of(scenario)
+        self._slam = slam
+
+    def begin(self, engine: Engine, state: State, episodes: Sequence[int], seeds: Sequence[int]) -> None:
+        """Make the first scans and contacts of episodes that have just begun."""
+        begun = np.array(episodes, np.int64), np.array(seeds, np.int64)
+        begin_uncertain(engine, self._errors, self._slam, *begun)
+
+    def advance(self, engine: Engine, state: State, actions: NDArray[np.int64], first: int, last: int) -> None:
+        """Advance episodes first to last - 1 by one step with actions (B, N)."""
+        advance_uncertain(engine, self._errors, self._slam, actions, first, last)
