@@ -28,7 +28,7 @@ from indoor_explorers.env.interfaces.common import (
 )
 from indoor_explorers.env.observations import Observation, Views
 from indoor_explorers.env.observations.base import Arrays, copy_of, row_of
-from indoor_explorers.env.observations.batched import BatchedEncoder
+from indoor_explorers.env.observations.factories import BatchedEncoder
 from indoor_explorers.env.observations.incremental import LivePlanes
 from indoor_explorers.env.observations.planes import ChannelsEncoder
 from indoor_explorers.env.policies.policy import integers

@@ -31,9 +31,8 @@ from indoor_explorers.env.observations.factories import (
     Stacked,
     make_encoder,
 )
-from indoor_explorers.env.observations.planes import PLANES, Channels, ThesisImage
-from indoor_explorers.env.observations.status import BASE_STATUS, STATUS, Legal, Status
-from indoor_explorers.env.observations.uncertainty import Heading, Occupancy
+from indoor_explorers.env.observations.planes import PLANES, Channels, Occupancy, ThesisImage
+from indoor_explorers.env.observations.status import BASE_STATUS, STATUS, Heading, Legal, Status
 
 __all__ = [
     "BASE_STATUS",

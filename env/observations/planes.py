@@ -1,4 +1,4 @@
-"""Planes of the whole map: ``channels``, any of its planes, and the image of the thesis."""
+"""Planes of the whole map: ``channels``, any of its planes, the image of the thesis, and occupancy probabilities."""
 
 from __future__ import annotations
 
@@ -97,6 +97,28 @@ class ThesisEncoder(Encoder):
         """Paint UAVs that fly alone."""
         THESIS_LEVELS.take(views.belief, out=out, mode="clip")
         out[np.arange(len(views.cell)), views.cell[:, 0], views.cell[:, 1]] = self._own
+
+
+@dataclass(frozen=True)
+class Occupancy:
+    """The probability that each cell is occupied, (1, H, W) float32: see :attr:`View.occupancy`."""
+
+    def __call__(self, briefing: Briefing) -> OccupancyEncoder:
+        """Make the encoder of one UAV."""
+        return OccupancyEncoder(briefing)
+
+
+class OccupancyEncoder(Encoder):
+    """Encode :class:`Occupancy`."""
+
+    stateless = True
+
+    def __init__(self, briefing: Briefing) -> None:
+        self.space = Box(0.0, 1.0, (1, *briefing.shape), np.float32)
+
+    def encode(self, view: View, out: NDArray[np.float32]) -> None:
+        """Write one view's probabilities."""
+        out[0] = view.occupancy
 
 
 def codes_of(planes: Sequence[str]) -> NDArray[np.int64]:

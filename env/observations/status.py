@@ -1,4 +1,4 @@
-"""The knowledge of a UAV besides maps: a few numbers, and which moves are legal."""
+"""The knowledge of a UAV besides maps: a few numbers, the legal moves and the heading."""
 
 from __future__ import annotations
 
@@ -100,6 +100,30 @@ class LegalEncoder(Encoder):
         """Write the legal moves of UAVs that fly alone."""
         out[:, :5] = views.legal
         out[:, 5:] = 1
+
+
+@dataclass(frozen=True)
+class Heading:
+    """The direction that the UAV faces, (4,) float32: 1 for down, left, up or right; zeros where it sees all around."""
+
+    def __call__(self, briefing: Briefing) -> HeadingEncoder:
+        """Make the encoder of one UAV."""
+        return HeadingEncoder()
+
+
+class HeadingEncoder(Encoder):
+    """Encode :class:`Heading`."""
+
+    stateless = True
+
+    def __init__(self) -> None:
+        self.space = Box(0.0, 1.0, (4,), np.float32)
+
+    def encode(self, view: View, out: NDArray[np.float32]) -> None:
+        """Write one view's heading."""
+        out[:] = 0.0
+        if view.heading is not None:
+            out[view.heading] = 1.0
 
 
 @kernel()

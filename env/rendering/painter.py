@@ -25,8 +25,7 @@ from indoor_explorers.env.rendering.palette import (
     paler,
     uav_colours,
 )
-from indoor_explorers.env.rendering.primitives import Canvas, disc, fitting, stroke, text_width, write
-from indoor_explorers.env.rendering.resample import resample
+from indoor_explorers.env.rendering.primitives import Canvas, disc, fitting, resample, stroke, text_width, write
 from indoor_explorers.env.rendering.scene import Scene, with_base
 from indoor_explorers.env.simulation.state import End
 

@@ -24,7 +24,7 @@ from indoor_explorers.env.observations import (
     make_encoder,
 )
 from indoor_explorers.env.observations.base import empty, row_of
-from indoor_explorers.env.observations.batched import BatchedEncoder
+from indoor_explorers.env.observations.factories import BatchedEncoder
 from indoor_explorers.env.search.frontiers import frontier_mask
 from tests.env.arrays import assert_same, filled
 from tests.env.worlds import begun, floorplans, random_actions, scenarios

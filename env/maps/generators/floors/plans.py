@@ -16,9 +16,16 @@ from indoor_explorers.env.grid.arrays import Mask
 from indoor_explorers.env.grid.randomness import Stream, generator
 from indoor_explorers.env.maps.base import GeneratedMaps
 from indoor_explorers.env.maps.floorplan import Floorplan
-from indoor_explorers.env.maps.generators.floors.details import mirrored, set_fire_doors, set_niches
 from indoor_explorers.env.maps.generators.floors.doors import doors, open_doors
-from indoor_explorers.env.maps.generators.floors.finish import furnished, ragged, rooms_of, turned
+from indoor_explorers.env.maps.generators.floors.finish import (
+    furnished,
+    mirrored,
+    ragged,
+    rooms_of,
+    set_fire_doors,
+    set_niches,
+    turned,
+)
 from indoor_explorers.env.maps.generators.floors.sections import Filling
 from indoor_explorers.env.maps.generators.floors.site import Site
 from indoor_explorers.env.maps.generators.floors.skeletons import Skeleton, draw_skeleton, extent, fitted

@@ -7,9 +7,8 @@ from hypothesis import strategies as st
 
 from indoor_explorers.env import InputError, Scenario, World, scenario
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED
-from indoor_explorers.env.maps.generators.floors.details import mirrored, set_fire_doors, set_niches
 from indoor_explorers.env.maps.generators.floors.doors import Door, doors, open_doors, walls_between
-from indoor_explorers.env.maps.generators.floors.finish import ragged, turned
+from indoor_explorers.env.maps.generators.floors.finish import mirrored, ragged, set_fire_doors, set_niches, turned
 from indoor_explorers.env.maps.generators.floors.site import OPEN, Site, depth_free
 from indoor_explorers.env.maps.generators.floors.skeletons import Corridor
 from indoor_explorers.env.maps.generators.floors.style import draw_style

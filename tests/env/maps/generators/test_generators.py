@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from indoor_explorers.env import InputError, Scenario, scenario
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED
+from indoor_explorers.env.maps.generators.cave import joined
 from indoor_explorers.env.maps.generators.furniture import spares_the_way
-from indoor_explorers.env.maps.generators.joining import joined
 from indoor_explorers.env.maps.generators.offices import shares
 from indoor_explorers.env.maps.generators.rooms import Rectangle, neighbours
 from indoor_explorers.env.maps.sources import CaveMaps, MazeMaps, OfficesMaps, RoomsMaps
