@@ -1,4 +1,4 @@
-"""Check a policy's answers: the first violation of each kind is noted, and a stay or no message replaces it."""
+"""Check a policy's answers: the first violation of each kind is recorded, and a stay or no message replaces it."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from indoor_explorers.env.policies.view import MESSAGE_LIMIT, Briefing, Message
 
 
 def action_of(answer: object, trace: Trace, count: int = 5) -> int:
-    """Return an action, or to stay if the answer is none of ``count`` actions."""
+    """Return the action, or a stay for an answer that is none of ``count`` actions."""
     names = ", ".join([*(action.name.lower() for action in Action), "turn"][:count])
     try:
         return checked_action(answer, count, f" ({names})")
@@ -27,13 +27,13 @@ def action_of(answer: object, trace: Trace, count: int = 5) -> int:
 
 
 def checked_message(said: Any, trace: Trace) -> Message:
-    """Return a message, or None if the answer is no message."""
+    """Return the message, or None for an answer that is no message."""
     if said is None:
         return None
     if isinstance(said, tuple) and len(said) <= MESSAGE_LIMIT and all(map(_is_number, said)):
         return tuple(map(float, said))
     found = f"expected pilot.message to be None or a tuple of at most {MESSAGE_LIMIT} finite numbers, got {shown(said)}"
-    fix = "write tuple(map(float, values)), and choose what matters most where they are too many"
+    fix = "write tuple(map(float, values)), and send the most important values if there are too many"
     trace.violations.setdefault("messages", Violation(found, fix))
     return None
 
@@ -48,18 +48,18 @@ def check_tallied(pilot: Pilot, trace: Trace) -> None:
         return
     if not isinstance(tally, dict) or not all(isinstance(k, str) and _is_number(v) for k, v in tally.items()):
         found = f"expected tally to return a dict of finite numbers by name, got {shown(tally)}"
-        trace.violations.setdefault("tally", Violation(found, "return {} for nothing to tell"))
+        trace.violations.setdefault("tally", Violation(found, "return {} to report nothing"))
 
 
 def facts_of(briefing: Briefing) -> dict[str, str]:
-    """Return the plain facts of a briefing as text, which later changes of the briefing do not affect."""
+    """Return the fields of a briefing as text, which later changes of the briefing do not affect."""
     names = ("agent", "team", "shape", "lidar_range", "scenario")
     with calling("the repr of the briefing"):
         return {name: repr(getattr(briefing, name, None)) for name in names}
 
 
 def check_briefed(briefing: Briefing, facts: dict[str, str], trace: Trace) -> None:
-    """Compare a briefing with its facts as they were."""
+    """Record a violation if a briefing differs from its fields at the start."""
     changed = [name for name, value in facts_of(briefing).items() if value != facts[name]]
     if changed:
         found = f"the briefing's {changed[0]} was changed"

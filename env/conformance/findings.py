@@ -1,4 +1,4 @@
-"""What the conformance suite says: violations of the contract, and what each check found."""
+"""Results of the conformance suite: violations of the contract, and the finding of each check."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from indoor_explorers.env.errors import SHOWN as SHOWN
 from indoor_explorers.env.errors import PolicyError, described
 from indoor_explorers.env.errors import shown as shown
 
-#: The folders of this package and of the policy interface; where a plug-in raised is looked for outside of them.
+#: The folder of this package; the line in which a plug-in raised an error is searched outside of it.
 _OURS = Path(__file__).parents[1]
 
 
@@ -34,20 +34,20 @@ class Differs(Violation):
 
 
 class Finding(NamedTuple):
-    """What one check found."""
+    """The result of one check."""
 
     name: str
     """Name of the check."""
     passed: bool
-    """Whether it found nothing wrong."""
+    """Whether the policy passed."""
     text: str
-    """What was found, in a few words."""
+    """A short description."""
     seconds: float
-    """Time the check took, with the episodes flown for it."""
+    """Duration of the check, including its episodes."""
     error: Violation | None = None
-    """The violation, of a check that failed."""
+    """The violation; None for a check that passed."""
     conclusive: bool = True
-    """False for a check that tells nothing: an earlier finding explains its failure, or it cannot be made."""
+    """False for a check without a result: an earlier finding explains its failure, or it cannot be run."""
 
     @property
     def fix(self) -> str:
@@ -68,7 +68,7 @@ def calling(what: str) -> Iterator[None]:
 
 
 def _where(error: BaseException) -> str:
-    """Say where a plug-in raised: the innermost place in its own folder, not in a library that it called."""
+    """Return the innermost line in a plug-in's own folder at which it raised an error."""
     frames = [
         frame for frame in traceback.extract_tb(error.__traceback__) if not Path(frame.filename).is_relative_to(_OURS)
     ]

@@ -76,7 +76,7 @@ CHECKS: dict[str, Callable[[Harness], str]] = {
     "latency": report_latency,
     LARGE: report_large_latency,
 }
-#: The checks for knowledge that a policy may not have, after those without which they tell nothing.
+#: The checks for forbidden knowledge, after the checks that they depend on.
 KNOWLEDGE = (
     *(REPEATABLE, "pilots share nothing"),
     *("no hidden knowledge", "map of the seed", "map generator", "unlinked teammates"),
@@ -84,10 +84,10 @@ KNOWLEDGE = (
 
 
 def run_checks(policy: Policy, names: Iterable[str] = CHECKS) -> Iterator[Finding]:
-    """Run every check on a policy, or those of some ``names``, also after one has failed, and yield what each found.
+    """Run the named checks on a policy, also after a failed one, and yield the finding of each.
 
-    A finding that an earlier one explains refers to it: the same error raised again, or another difference of a policy
-    that never flies the same episode twice. There is no time limit.
+    A finding that repeats an earlier error, or a difference of a policy that is not repeatable, refers to the earlier
+    finding. There is no time limit.
     """
     harness = Harness(policy)
     earlier: dict[str, Finding] = {}
@@ -118,7 +118,7 @@ def _explained(finding: Finding, earlier: dict[str, Finding]) -> Finding:
 def failed_check(policy: Policy) -> str:
     """Return the first of the checks for hidden knowledge that a policy fails, and how to fix it; empty for none.
 
-    A policy that cannot be flown is not judged.
+    The result is empty for a policy that cannot be flown.
     """
     for finding in run_checks(policy, KNOWLEDGE):
         if isinstance(finding.error, Differs):
@@ -127,7 +127,7 @@ def failed_check(policy: Policy) -> str:
 
 
 def check_policy(policy: Policy) -> dict[str, str]:
-    """Fly a policy through the conformance suite; return what each check found.
+    """Fly a policy through the conformance suite; return the findings by check.
 
     Raises:
         PolicyError: the policy breaks its contract; the message names the likely cause.

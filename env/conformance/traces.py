@@ -1,4 +1,4 @@
-"""The trace of a checked episode: each UAV's decisions, and the knowledge that they were based on."""
+"""The trace of a checked episode: each UAV's decisions and the views they were based on."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from indoor_explorers.env.policies.view import Message, View, arrays_of, values_
 
 
 class Setup(NamedTuple):
-    """Start of an episode: a seed, and a map, spawns and a prior map that replace what it would draw."""
+    """Start of an episode: a seed, and a map, spawns and a prior map instead of those of the seed."""
 
     seed: int
     floorplan: Floorplan | None = None
@@ -23,7 +23,7 @@ class Setup(NamedTuple):
 
 
 class Decision(NamedTuple):
-    """What one UAV chose at one step, and a hash of the view that it chose from."""
+    """A UAV's choice at one step, and a hash of its view."""
 
     view: bytes
     action: int
@@ -35,7 +35,7 @@ class Decision(NamedTuple):
         return self.action, self.message
 
 
-#: The decisions of one step by UAV; those that had ended or were not asked are missing.
+#: The decisions of one step by UAV; UAVs that had ended or were not asked are missing.
 Step = dict[int, Decision]
 
 
@@ -48,7 +48,7 @@ class Trace:
     unseen: list[bytes] = field(default_factory=list)
     """(H, W) bool at each step: cells that no UAV has seen."""
     seconds: list[float] = field(default_factory=list)
-    """Time of each decision; in a batched act, each UAV's share of it."""
+    """Time of each decision; in a batched act, each UAV's share."""
     into_walls: int = 0
     """Moves into a wall or off the map."""
     violations: dict[str, Violation] = field(default_factory=dict)
@@ -56,7 +56,7 @@ class Trace:
 
 
 def digest_of(view: View) -> bytes:
-    """Return a hash of all that a view shows."""
+    """Return a hash of a view."""
     seen = hashlib.blake2b(digest_size=16)
     for array in arrays_of(view):
         if array is not None:
@@ -66,7 +66,7 @@ def digest_of(view: View) -> bytes:
 
 
 def first_difference(found: Trace, expected: Trace) -> int | None:
-    """Return the first step at which two episodes differ in anything chosen or known; None when they are the same."""
+    """Return the first step at which two episodes differ in a decision; None when they are the same."""
     if found.steps == expected.steps:
         return None
     pairs = zip(found.steps, expected.steps, strict=False)
@@ -80,7 +80,7 @@ class TraceComparison(NamedTuple):
     compared: int
     """Number of compared decisions: those of UAVs whose views were the same in both episodes so far."""
     differs: tuple[int, int] | None
-    """(UAV, step) of the first of them that differs; None if all are the same."""
+    """(UAV, step) of the first different decision; None if all are the same."""
 
 
 def compare(changed: Trace, recorded: Trace, agents: Sequence[int]) -> TraceComparison:

@@ -44,26 +44,25 @@ def copied(arrays: ArrayTuple) -> ArrayTuple:
     return type(arrays)(*(copies[id(array)] for array in arrays))
 
 
-#: The arrays whose memory is lent, by the number of their window; no window refers to its array.
+#: The arrays whose memory is lent, by the id of their window; no window refers to its array.
 _LENT: dict[int, NDArray[Any]] = {}
 
 
 class _Window:
-    """Lend the memory of an array to numpy, which finds no way from here to the array or to write to it."""
+    """Lend the memory of an array to numpy read-only, without a reference to the array."""
 
     def __init__(self, array: NDArray[Any]) -> None:
         where, _ = array.__array_interface__["data"]
         self.__array_interface__ = array.__array_interface__ | {"data": (where, True), "strides": array.strides}
-        _LENT[id(self)] = array  # keeps the memory for as long as it is looked at
+        _LENT[id(self)] = array  # keeps the memory alive as long as the window
 
     def __del__(self, lent: dict[int, NDArray[Any]] = _LENT) -> None:
         lent.pop(id(self), None)
 
 
 def read_only(array: NDArray[Any]) -> NDArray[Any]:
-    """Return a live view of an array that cannot be made writeable again, nor can anything made from it.
+    """Return a live view of an array that cannot be made writeable and whose ``base`` is not the array.
 
-    A plain view of numpy's could: its flag can be set back, and its ``base`` is the array itself. Give a slice to show
-    no more than that.
+    The flag of a plain numpy view can be set back, and its ``base`` is the whole array.
     """
     return np.asarray(_Window(array))

@@ -83,14 +83,14 @@ class StableBaselinesVecEnv(VecEnv):
     def env_method(
         self, method_name: str, *method_args: Any, indices: Indices = None, **method_kwargs: Any
     ) -> list[Any]:
-        """Return the entries of what a method of the vectorised environment returns, such as ``action_masks``."""
+        """Return the results of ``action_masks``, one for each environment; refuse other methods."""
         if method_name != "action_masks":
             raise InputError(f"expected method action_masks, got {method_name!r}; these environments share one world")
         masks = self.envs.action_masks()
         return [masks[b] for b in self._numbers(indices)]
 
     def env_is_wrapped(self, wrapper_class: type[Any], indices: Indices = None) -> list[bool]:
-        """Tell that no environment is wrapped; wrap this one, for instance in SB3's ``VecMonitor``."""
+        """Return False for each environment; wrap this one instead, for instance in SB3's ``VecMonitor``."""
         return [False] * len(self._numbers(indices))
 
     def _numbers(self, indices: Indices) -> list[int]:

@@ -1,4 +1,4 @@
-"""From a source's pixels to a map's cells: coarser by any factor, with doors open and walls closed.
+"""Reduce a source's pixels to the coarser cells of a map, with doors open and walls closed.
 
 Cells outside of the largest connected free part can never be explored, so they become solid.
 """
@@ -16,7 +16,7 @@ from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Belief, Cell, Mask
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED
 from indoor_explorers.env.maps.floorplan import MAX_CELLS, Floorplan
-from indoor_explorers.env.search.connected_parts import largest_part
+from indoor_explorers.env.search.connected_parts import extent, largest_part
 
 if TYPE_CHECKING:
     from scipy import sparse
@@ -51,13 +51,11 @@ class Source:
 def reduced(source: Source, resolution: float | None) -> Floorplan:
     """Turn a source into a floor plan with cells of ``resolution`` metres; None keeps the source's pixels.
 
-    Only the largest connected free part stays free; unknown pixels count as solid. A cell is solid when the
-    occupied share of its area reaches a threshold, or when less than half of it is connected floor. The
-    threshold is the first of :data:`THRESHOLDS` that keeps :data:`ENOUGH` of the floor connected, else the one
-    that keeps most: a small one keeps thin walls closed, a larger one keeps doors open. ``Floorplan.kept``
-    is the share of the source's free area that is still reachable: in free cells, or, because of rounding at
-    walls, in the solid ones right beside them. The start becomes the cell that its pixel lies in, or the nearest
-    free one.
+    Only the largest connected free part stays free; unknown pixels count as solid. A cell is solid when the occupied
+    share of its area reaches a threshold, or when less than half of it is connected floor. The threshold is the first
+    of :data:`THRESHOLDS` that keeps :data:`ENOUGH` of the floor connected, else the one that keeps most: a small one
+    keeps thin walls closed, a larger one keeps doors open. ``Floorplan.kept`` is the share of the source's free area in
+    reachable cells and in the solid cells beside them. The start becomes the nearest free cell.
 
     Raises :class:`InputError` when the resolution is finer than the source's, or so coarse that no floor is left.
     """
@@ -192,9 +190,9 @@ def _overlaps(pixels: int, factor: float) -> sparse.csr_array[np.float64]:
 def cropped(plan: Floorplan) -> Floorplan:
     """Cut a floor plan to its free cells and one solid cell on each side, left out where it makes too large a map."""
     free = plan.truth == FREE
-    rows, cols = np.flatnonzero(free.any(axis=1)), np.flatnonzero(free.any(axis=0))
-    inner = free[rows[0] : rows[-1] + 1, cols[0] : cols[-1] + 1]
+    rows, cols = extent(free)
+    inner = free[rows, cols]
     walled = np.pad(inner, 1)
     wall = int(walled.size <= MAX_CELLS)
-    start = None if plan.start is None else (plan.start[0] - int(rows[0]) + wall, plan.start[1] - int(cols[0]) + wall)
+    start = None if plan.start is None else (plan.start[0] - rows.start + wall, plan.start[1] - cols.start + wall)
     return replace(plan, truth=np.where(walled if wall else inner, FREE, OCCUPIED).astype(np.uint8), start=start)

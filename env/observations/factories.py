@@ -21,7 +21,7 @@ MASK = "action_mask"
 
 @dataclass(frozen=True)
 class Parts:
-    """A dict observation of named observations; those that are dicts themselves add their own names."""
+    """A dict observation of named observations; parts that are dicts contribute their own names."""
 
     of: Mapping[str, Observation]
     """Name and observation of each part."""
@@ -74,7 +74,7 @@ class Masked:
     of: Observation
     """The observation without a mask."""
     name: str = "observation"
-    """Its key if it is no dict: PettingZoo uses ``observation``, RLlib's masking ``observations``."""
+    """Key of an observation that is no dict: PettingZoo uses ``observation``, RLlib's masking ``observations``."""
 
     def __call__(self, briefing: Briefing) -> PartsEncoder:
         """Make the encoder of one UAV."""
@@ -150,7 +150,7 @@ def _made(factory: Callable[[Briefing], Encoder], briefing: Briefing) -> Encoder
     encoder = factory(briefing) if callable(factory) else None
     if not isinstance(encoder, Encoder):
         raise InputError(
-            f"expected a name, or what makes an Encoder from a briefing such as Egocentric(side=21), got {factory!r}"
+            f"expected a name, or a factory of an Encoder from a briefing such as Egocentric(side=21), got {factory!r}"
         )
     return encoder
 

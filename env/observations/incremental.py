@@ -1,7 +1,7 @@
-"""The planes of ``channels`` for a whole batch, updated in place: a step repaints only what has changed.
+"""The planes of ``channels`` for a whole batch, updated in place: a step repaints only the changed cells.
 
-A world's discovery logs list the newly known cells, so the time of an update depends on these and not on the map.
-The planes are those of :mod:`indoor_explorers.env.observations.planes`, cell for cell.
+A world's discovery logs list the newly known cells, so the time of an update depends on their number and not on the
+map. The planes equal those of :mod:`indoor_explorers.env.observations.planes`.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from indoor_explorers.env.simulation.world import World
 
 
 class PlaneBuffers(NamedTuple):
-    """The planes and the state that they show."""
+    """The planes and the painted state."""
 
     planes: Annotated[NDArray[np.uint8], "B N C H W"]
     """The painted planes."""
@@ -59,7 +59,7 @@ class LivePlanes:
         return self._buffers.planes
 
     def update(self) -> NDArray[np.uint8]:
-        """Paint what has changed since the last call and return :attr:`planes`."""
+        """Paint the changes since the last call and return :attr:`planes`."""
         self._world.in_slices(self._refresh)
         return self.planes
 

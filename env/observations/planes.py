@@ -143,7 +143,7 @@ def freshness(mate: Mate) -> int:
 
 @kernel()
 def paint(belief: np.ndarray, visited: np.ndarray, row: int, col: int, codes: np.ndarray, out: np.ndarray) -> None:
-    """Fill planes ``out`` (C, H, W) uint8 of the kinds ``codes`` (C,), that of teammates with zeros."""
+    """Fill ``out`` (C, H, W) uint8 with the planes ``codes`` (C,); those of teammates are zero."""
     height, width = belief.shape
     for k in range(codes.shape[0]):
         code, plane = codes[k], out[k]

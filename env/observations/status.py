@@ -29,7 +29,7 @@ class Status:
     """The numbers of :data:`STATUS`, (11,) float32, 0 to 1; with ``base`` those of :data:`BASE_STATUS` too, (15,)."""
 
     base: bool = False
-    """Whether it tells of the home base, in scenarios without one too."""
+    """Whether it includes the home base, also in scenarios without one."""
 
     def __call__(self, briefing: Briefing) -> StatusEncoder:
         """Make the encoder of one UAV."""
@@ -37,7 +37,7 @@ class Status:
 
 
 class StatusEncoder(Encoder):
-    """Encode a :class:`Status`; one with the base keeps in mind where that is in this episode."""
+    """Encode a :class:`Status`; with ``base`` it stores the base's cell of this episode."""
 
     def __init__(self, factory: Status, briefing: Briefing) -> None:
         self.space = Box(0.0, 1.0, (len(STATUS) + factory.base * len(BASE_STATUS),), np.float32)
@@ -55,7 +55,7 @@ class StatusEncoder(Encoder):
             out[len(STATUS) :] = self._of_base(view)
 
     def begin(self, briefing: Briefing) -> None:
-        """Note where the base is."""
+        """Store the base's cell."""
         self._base = briefing.base
 
     def _of_base(self, view: View) -> tuple[float, float, float, float]:

@@ -1,4 +1,4 @@
-"""Encoders composed of encoders: named parts, one flat vector, the last few observations."""
+"""Encoders composed of other encoders: named parts, one flat vector, the last few observations."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class _ComposedEncoder(Encoder):
 
 
 class PartsEncoder(_ComposedEncoder):
-    """Give parts their names in a Dict; a part that is a Dict already adds its own names."""
+    """Join parts in a Dict by their names; a part that is a Dict contributes its own names."""
 
     def __init__(self, parts: Mapping[str, Encoder]) -> None:
         super().__init__(*parts.values())
@@ -104,10 +104,10 @@ class FlatEncoder(_ComposedEncoder):
 
 
 class StackedEncoder(_ComposedEncoder):
-    """Keep the last observations of an episode, oldest first; before the first step all of them are the first.
+    """Stack the last observations of an episode, oldest first; at the start all of them are the first.
 
-    Vectors and stacks of planes are joined along their first axis, so that (C, H, W) becomes (k C, H, W); an
-    image (H, W) becomes the planes (k, H, W). To encode a step once more replaces the newest observation.
+    Vectors and planes are joined along their first axis, so that (C, H, W) becomes (k C, H, W); an image (H, W) becomes
+    the planes (k, H, W). Encoding the same step again replaces the newest observation.
     """
 
     def __init__(self, inner: Encoder, depth: int) -> None:

@@ -1,6 +1,6 @@
 """Anti-aliased drawing primitives: strokes, rings, letters and maps, blended by the share of a pixel that they cover.
 
-Images are (h, w, 3) uint8, changed in place, and may be a window on a larger one; what lies outside is cut off.
+Images are (h, w, 3) uint8, changed in place, and may be a window on a larger one; pixels outside are cut off.
 Places are (x, y) in pixels from the upper left corner, so that the centre of the first pixel is (0.5, 0.5).
 
 The drawing is compiled: Pillow's ImageDraw at four times the size, reduced, needs 51 instead of 6 ms for a frame of
@@ -69,11 +69,11 @@ def text_width(text: str, size: float) -> int:
 
 @lru_cache(maxsize=2048)
 def letters(text: str, size: int) -> NDArray[np.uint8]:
-    """Return how much a line of text covers of each pixel, (h, w) uint8; h is that of the font's capitals."""
+    """Return (h, w) uint8 coverage of each pixel by a line of text; h is that of the font's capitals."""
     font = ImageFont.load_default(size)
     left, _, right, _ = font.getbbox(text) if text else (0, 0, 0, 0)
     _, top, _, bottom = font.getbbox("H0")
-    margin = size // 3  # room for what hangs below the line
+    margin = size // 3  # for descenders
     picture = Image.new("L", (max(round(right - left), 1), round(bottom - top) + 2 * margin))
     ImageDraw.Draw(picture).text((-left, margin - top), text, fill=255, font=font)
     mask = np.array(picture)

@@ -1,7 +1,7 @@
-"""Failures and radio contacts of a step, compiled: one set of rules for exact and for uncertain worlds.
+"""Failures and radio contacts of a step, compiled: the same rules for exact and for uncertain worlds.
 
-The two kinds of worlds differ in how maps are exchanged, and in how the team's map loses what only UAVs knew that have
-stopped. Both are built into the compiled code: numba cannot keep the machine code of a function that is handed another.
+The two kinds of worlds differ in the exchange of maps and in the removal of stopped UAVs' knowledge from the team's
+map. Both functions are closed over, as numba cannot cache a function with function arguments.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ NO_RADIO = int(RadioModel.NONE)
 
 
 class StepParts(Protocol):
-    """What the step of any world reads and writes."""
+    """The arguments of a step's compiled functions that all kinds of worlds share."""
 
     @property
     def rules(self) -> Rules:
@@ -45,15 +45,15 @@ def contacts_of(
     """Return two compiled functions of (parts, episode) for one kind of world: ``contact`` and ``fail_and_contact``.
 
     Args:
-        share_maps: Compiled; called as ``share_maps(parts, episode, linked, based)`` once agents and base are linked:
-            whether any two agents are, and whether the base is with any.
-        forget_lost: Compiled; called as ``forget_lost(parts, episode)`` where UAVs stop.
+        share_maps: Compiled; called as ``share_maps(parts, episode, linked, based)`` after contacts are known:
+            whether any two agents are linked, and whether the base is in contact with any.
+        forget_lost: Compiled; called as ``forget_lost(parts, episode)`` when UAVs stop.
 
     """
 
     @inner()
     def contact(parts: Parts, b: int) -> None:
-        """Find who is in contact, and exchange maps."""
+        """Determine the contacts, and exchange maps."""
         rules, state, component = parts.rules, parts.state, parts.work.component
         linked = based = False
         if rules.base or (state.end.shape[1] > 1 and rules.radio_model != NO_RADIO):
@@ -63,7 +63,7 @@ def contacts_of(
 
     @inner()
     def fail_and_contact(parts: Parts, b: int) -> None:
-        """Apply the failures of a step and make its contacts, in the order that the rules say."""
+        """Apply the failures of a step and its contacts, in the order of the rules."""
         rules, state = parts.rules, parts.state
         if rules.failures:
             silence_radios(rules, state, b)

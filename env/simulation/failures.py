@@ -1,8 +1,7 @@
-"""Failures: UAVs that stop, and radios that are silent for a while.
+"""Failures: UAVs that stop, and temporary radio failures.
 
-A UAV that stops is gone like one that has crashed. What it alone knew is lost to the team: coverage is what the UAVs
-that did not stop, and the base, know together. Draws depend on seed, step and UAV alone, so policies on one task meet
-the same ones.
+The team loses the cells that only a stopped UAV knew: coverage counts the knowledge of the base and of the UAVs that
+did not stop. Draws depend on seed, step and UAV alone, so they are the same for all policies on one task.
 """
 
 from __future__ import annotations
@@ -14,7 +13,7 @@ from indoor_explorers.env.simulation.engine import ExactParts
 from indoor_explorers.env.simulation.state import End, Rules, State
 
 FLYING, STOPPED = int(End.FLYING), int(End.STOPPED)
-#: What is drawn for each UAV in each step.
+#: The kinds of draws for each UAV in each step, and their number.
 UAV, RADIO, KINDS = 0, 1, 2
 
 
@@ -28,7 +27,7 @@ def _happens(state: State, b: int, agent: int, kind: int, hazard: float) -> bool
 
 @inner()
 def silence_radios(rules: Rules, state: State, b: int) -> None:
-    """Let the radios that fail in this step be silent from now on, for as many steps as the rules say."""
+    """Let the radios that fail in this step be silent for the outage of the rules."""
     for n in range(state.end.shape[1]):
         silent = state.step[b] < state.silent_until[b, n]
         if not silent and _happens(state, b, n, RADIO, rules.radio_hazard):
@@ -57,7 +56,7 @@ def stop_uavs(rules: Rules, state: State, b: int) -> bool:
 
 @inner()
 def forget_lost(parts: ExactParts, b: int) -> None:
-    """Take out of the team's union what only agents know that have stopped."""
+    """Remove the cells that only stopped agents know from the team's union."""
     for n in range(parts.state.end.shape[1]):
         if parts.state.end[b, n] == STOPPED:
             _forget(parts.rules, parts.state, b, n)
@@ -65,7 +64,7 @@ def forget_lost(parts: ExactParts, b: int) -> None:
 
 @inner()
 def _forget(rules: Rules, state: State, b: int, agent: int) -> None:
-    """Take out of the team's union what neither the base nor another agent knows that has not stopped."""
+    """Remove the known cells of a stopped agent that neither the base nor a remaining agent knows from the union."""
     union, counts = state.union[b].flat, state.counts[b].flat
     for k in range(state.known[b, agent]):
         cell = state.discovery_log[b, agent, k]

@@ -1,7 +1,7 @@
-"""The prior map of an episode: the true map, or one in which doors, walls and furniture are not where they are.
+"""The prior map of an episode: the true map, or an outdated one with changed doors, walls and furniture.
 
-It depends on the true map, the scenario's settings and the episode's seed alone. Each kind of change draws from a
-generator of its own, one number for each place, so that one setting never changes what the others do.
+It depends on the true map, the scenario's settings and the episode's seed alone. Each kind of change has its own random
+generator, so that one setting never affects the other changes.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 class Change(IntEnum):
-    """What is drawn; the value is part of a generator's seed and never changes."""
+    """A kind of change; the value is part of a generator's seed and never changes."""
 
     DOORS = 0
     OPENINGS = 1
@@ -30,7 +30,7 @@ class Change(IntEnum):
 
 
 def prior_map(truth: Belief, settings: Prior, seed: int) -> Belief:
-    """Return the prior of a true map (H, W), in memory of its own.
+    """Return the prior map of a true map, both (H, W) uint8, as a new array.
 
     Furniture is removed first, then walls are moved and opened, then doorways are shut.
     """

@@ -30,7 +30,7 @@ class End(IntEnum):
     OUT_OF_BOUNDS = 3
     """It flew off the map."""
     STUCK = 4
-    """It went on without a discovery or between the same cells for too long, as the rule ``stuck`` says."""
+    """It made no discovery or visited the same cells for too long by the rule ``stuck``."""
     BUDGET = 5
     """All steps are flown."""
     STOPPED = 6
@@ -48,7 +48,7 @@ class Rules(NamedTuple):
     """Steps; 0 for one step per reachable cell."""
     least_budget: int
     exact_scans: bool
-    """Whether the step itself scans; not where a plug-in does, or where sensors or poses err."""
+    """Whether the step itself scans: without a plug-in lidar and without errors."""
     radio_model: int
     radio_range: float
     radio_exponent: float
@@ -76,11 +76,11 @@ class Rules(NamedTuple):
     base: bool
     """Whether there is a home base."""
     base_row: int
-    """Its row; -1: it is where agent 0 starts."""
+    """Row of the base; -1 for the start cell of agent 0."""
     base_col: int
     base_radius: float
     goal_of_base: bool
-    """Whether the goal is what the base knows."""
+    """Whether the goal is the base's coverage."""
 
 
 def rules_of(scenario: Scenario) -> Rules:
@@ -155,7 +155,7 @@ class State(NamedTuple):
     cell: Annotated[NDArray[np.int64], "B N 2"]
     """Row and column."""
     believed_cell: Annotated[NDArray[np.int64], "B N 2"]
-    """Where each agent believes to be: the same array as ``cell`` where poses are certain."""
+    """Each agent's estimate of its cell: the same array as ``cell`` without pose errors."""
     legal: Annotated[NDArray[np.bool_], "B N 5"]
     """Actions that end neither in a wall nor off the map."""
     belief: Annotated[NDArray[np.uint8], "B N H W"]
@@ -215,7 +215,7 @@ class State(NamedTuple):
     base_cell: Annotated[NDArray[np.int64], "B 2"]
     """Row and column of the home base."""
     base_belief: Annotated[NDArray[np.uint8], "B base_H base_W"]
-    """What the base knows; (B, 0, 0) where there is no base."""
+    """The base's map; (B, 0, 0) without a base."""
     base_log: Annotated[NDArray[np.int32], "B base_cells"]
     """Flat indices of the cells that the base knows in the order it learned them; (B, 0) without a base."""
     base_known: Annotated[NDArray[np.int64], "B"]

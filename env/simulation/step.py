@@ -1,4 +1,4 @@
-"""The one step of the world, compiled: moves, scans, radio, rewards and ends."""
+"""The step of the world, compiled: moves, scans, radio, rewards and ends."""
 
 from __future__ import annotations
 
@@ -142,8 +142,8 @@ def update_legal(state: State, b: int, agent: int, occupancy: np.ndarray) -> Non
 def begin(rules: Rules, state: State, lidar: LidarModel, work: Work, b: int) -> None:
     """Make the first scans and radio contacts of episode ``b``, whose truth and spawns are in place.
 
-    Others are made afterwards, see :mod:`indoor_explorers.env.simulation.custom_models` and
-    :mod:`indoor_explorers.env.simulation.slam`.
+    Those of plug-ins and of worlds with errors follow later, see :mod:`indoor_explorers.env.simulation.custom_models`
+    and :mod:`indoor_explorers.env.simulation.slam`.
     """
     for n in range(state.end.shape[1]):
         if rules.exact_scans:
@@ -167,7 +167,7 @@ _contact, _fail_and_contact = contacts_of(_share_beliefs, forget_lost)
 
 @inner()
 def clear_step(state: State, b: int) -> bool:
-    """Reset what is counted in a step; return whether an agent of the episode flies."""
+    """Reset the rewards and counts of a step; return whether an agent of the episode flies."""
     flying = False
     for n in range(state.end.shape[1]):
         state.reward[b, n] = 0.0

@@ -1,4 +1,4 @@
-"""The one simulator: a batch of exploration episodes stepped together by compiled kernels."""
+"""The simulator: a batch of exploration episodes stepped together by compiled kernels."""
 
 from __future__ import annotations
 
@@ -18,14 +18,13 @@ from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.sensing.lidar import lidar_model
 from indoor_explorers.env.simulation.custom_models import CustomModels
 from indoor_explorers.env.simulation.engine import Engine, bind, new_work
-from indoor_explorers.env.simulation.preparation import Preparation, Prepared
+from indoor_explorers.env.simulation.preparation import Preparation, Prepared, Threads
 from indoor_explorers.env.simulation.prior_map import prior_map
 from indoor_explorers.env.simulation.reset import start_episodes
 from indoor_explorers.env.simulation.slam.state import Slam, empty_slam
 from indoor_explorers.env.simulation.slam.step import UncertainModel
 from indoor_explorers.env.simulation.state import State, empty_state, received_mates, rules_of
 from indoor_explorers.env.simulation.step import FLYING, advance, are_actions
-from indoor_explorers.env.simulation.threads import Threads
 
 
 class World:
@@ -285,12 +284,12 @@ class World:
 
     @property
     def counted_coverage(self) -> NDArray[np.float64]:
-        """(B,) the coverage that the goal is about: the base's where UAVs must return, else the team's."""
+        """(B,) coverage that counts for the goal: the base's if UAVs must return, else the team's."""
         return self.base_coverage if self.scenario.base.must_return else self.team_coverage
 
     @property
     def base_coverage(self) -> NDArray[np.float64]:
-        """(B,) coverage of what the home base knows, as a share of the denominator; 0 where there is none."""
+        """(B,) coverage of the home base's map, as a share of the denominator; 0 without a base."""
         return np.asarray(self.state.base_covered / self.state.total)
 
     @property

@@ -14,11 +14,11 @@ from pydantic import Field
 
 from indoor_explorers.env.grid.arrays import Mask
 from indoor_explorers.env.maps.base import GeneratedMaps
-from indoor_explorers.env.search.connected_parts import connected_parts
+from indoor_explorers.env.search.connected_parts import connected_parts, spanning_tree
 
 #: A cave with a smaller free share than this is drawn again with less rock.
 ENOUGH = 0.15
-#: How much less rock each further try starts from; without any it is one open chamber.
+#: Decrease of the share of rock in each further try; without rock the cave is one open chamber.
 EASING = 0.05
 
 
@@ -81,7 +81,7 @@ def _bridges(labels: NDArray[np.int32], count: int) -> NDArray[np.int64]:
     Every solid cell belongs to its nearest part; where the regions of two parts meet, the two cells' ways to their
     parts make a bridge.
     """
-    from scipy import ndimage, sparse  # here, since they take long to import
+    from scipy import ndimage  # here, since it takes long to import
 
     distance, (rows, cols) = ndimage.distance_transform_edt(labels == 0, return_indices=True)
     region = labels[rows, cols]
@@ -94,10 +94,7 @@ def _bridges(labels: NDArray[np.int32], count: int) -> NDArray[np.int64]:
     parts = np.sort(region.ravel()[sides], axis=1)
     order = np.argsort(distance.ravel()[sides].sum(axis=1), kind="stable")
     _, first = np.unique(parts[order] @ np.array([count + 1, 1]), return_index=True)
-    pairs = parts[order[first]] - 1
-    graph = sparse.coo_array((first + 1.0, (pairs[:, 0], pairs[:, 1])), shape=(count, count)).tocsr()
-    tree = sparse.csgraph.minimum_spanning_tree(graph)
-    chosen = sides[order[np.sort(tree.data).astype(np.int64) - 1]]
+    chosen = sides[order[np.sort(first[spanning_tree(parts[order[first]] - 1, first.astype(np.float64), count)])]]
     return np.stack([rows.ravel()[chosen], cols.ravel()[chosen]], axis=2).astype(np.int64)
 
 

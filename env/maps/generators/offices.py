@@ -107,7 +107,7 @@ class OfficesMaps(GeneratedMaps):
         return rows, corridors
 
     def _crossings(self, rng: np.random.Generator, long: int) -> tuple[list[int], list[tuple[int, int]]]:
-        """Return where cross corridors begin, and the (start, length) of what lies between them."""
+        """Return the starts of cross corridors, and the (start, length) of the segments between them."""
         smallest = self.room_width[0]
         for count in range(max(1, round(long / self.crossing)), 0, -1):
             spare = long - count * (self.corridor + 2)
@@ -124,7 +124,7 @@ class OfficesMaps(GeneratedMaps):
     def _rooms(
         self, rng: np.random.Generator, free: Mask, row: Row, start: int, length: int
     ) -> Iterator[tuple[int, int, int, int]]:
-        """Build the rooms of a part of a row; give (top, left, depth, width) of those to be furnished."""
+        """Build the rooms of a part of a row; yield (top, left, depth, width) of the rooms to be furnished."""
         smallest, largest = self.room_width
         counts = max(1, -(-(length + 1) // (largest + 1))), max(1, (length + 1) // (smallest + 1))
         count = int(rng.integers(counts[0], max(counts) + 1))

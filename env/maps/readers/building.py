@@ -104,9 +104,9 @@ class _Builder(ElementTree.TreeBuilder):
 
 
 def read_xml(path: Path, root: str) -> ElementTree.Element:
-    """Return the root element of an XML file, which is to be called ``root``.
+    """Return the root element of an XML file, which must have the tag ``root``.
 
-    Raises :class:`InputError` with one line for what is no XML, too large, too deep, or has a document type.
+    Raises :class:`InputError` for a file that is no XML, too large, too deep, or has a document type.
     """
     text = read_bytes(path, MAX_BYTES, "an XML map")
     parser = ElementTree.XMLParser(target=_Builder())

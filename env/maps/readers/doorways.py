@@ -1,7 +1,7 @@
 """Open doorways that a source leaves unknown.
 
-Floor plans turned into occupancy maps often draw each room's outline and leave what lies between two
-outlines unknown, in a doorway too. Taken literally every such room would be closed.
+Floor plans converted to occupancy maps often contain only each room's outline, and the space between two outlines is
+unknown even in a doorway, so that every room would be closed.
 """
 
 from __future__ import annotations
@@ -17,16 +17,15 @@ from indoor_explorers.env.search.connected_parts import connected_parts
 
 #: A doorway is at most this deep, in metres: the thickness of a wall.
 DEPTH = 1.2
-#: A doorway leads into a room of at least this size, in square metres; less is a sensor's speck.
+#: A doorway leads into a room of at least this size, in square metres; smaller free areas are sensor noise.
 ROOM = 1.0
 
 
 def open_doorways(cells: Belief, resolution: float) -> Belief:
     """Return (H, W) uint8 ``cells`` with doorways free; ``resolution`` is metres a pixel.
 
-    A doorway is a straight strip of unknown pixels, along a row or a column and at most :data:`DEPTH` long,
-    from the free floor of one room to that of another that no other way joins to it. A single occupied
-    pixel in the strip makes it a wall.
+    A doorway is a straight strip of unknown pixels, along a row or a column and at most :data:`DEPTH` long, between the
+    free floors of two rooms that are not connected otherwise.
     """
     labels, sizes = connected_parts(cells == FREE)
     rooms = sizes * resolution**2 >= ROOM

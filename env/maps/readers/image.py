@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import warnings
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,10 +12,7 @@ from PIL import Image, UnidentifiedImageError
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Mask
-from indoor_explorers.env.maps.readers.opening import Fits, check_file, one_line
-
-#: The most pixels a picture may have (6,000 x 6,000), so that decoding it cannot exhaust the memory.
-MAX_PIXELS = 36_000_000
+from indoor_explorers.env.maps.readers.opening import MAX_PIXELS, Fits, check_pixels, decoding
 
 #: The most bytes of a PNM picture in text (P1 to P3), and the most comments in it.
 MAX_TEXT, MAX_COMMENTS = 10_000_000, 1_000
@@ -63,29 +59,19 @@ def read_picture(path: Path, fits: Fits | None = None, metres: float = 1.0) -> P
 
     Raises :class:`InputError` with one line for a file that is missing, truncated, too large or no picture.
     """
-    check_file(path)
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            _check_pnm(path)
+    with decoding(path, "a whole picture"):
+        _check_pnm(path)
+        try:
             return _decode(path, fits, metres)
-    except InputError:
-        raise
-    except UnidentifiedImageError as error:
-        received = "an empty file" if path.stat().st_size == 0 else "a file of another kind, or a broken header"
-        raise InputError(f"{path}: expected a PNG, PGM or BMP picture, got {received}; save it again") from error
-    except Image.DecompressionBombError as error:
-        raise InputError(f"{path}: expected at most {MAX_PIXELS:,} pixels, got far more; scale it down") from error
-    except OSError as error:
-        raise InputError(
-            f"{path}: cannot be read: {error.strerror or one_line(error)}; check or save it again"
-        ) from error
-    except Exception as error:  # on broken files Pillow's decoders raise whatever their parsing trips over
-        raise InputError(f"{path}: expected a whole picture, got a broken one: {one_line(error)}; save it") from error
+        except UnidentifiedImageError as error:
+            received = "an empty file" if path.stat().st_size == 0 else "a file of another kind, or a broken header"
+            raise InputError(f"{path}: expected a PNG, PGM or BMP picture, got {received}; save it again") from error
+        except Image.DecompressionBombError as error:
+            raise InputError(f"{path}: expected at most {MAX_PIXELS:,} pixels, got far more; scale it down") from error
 
 
 def _check_pnm(path: Path) -> None:
-    """Refuse a PNM picture with so long a header or text that Pillow, which reads them bytewise, would take minutes."""
+    """Refuse a PNM picture with a long header or text, which Pillow reads byte by byte."""
     with path.open("rb") as file:
         head = file.read(MAX_HEADER)
         words = re.sub(rb"#[^\r\n]*", b"", head).split(maxsplit=4)
@@ -106,10 +92,7 @@ def _check_pnm(path: Path) -> None:
 def _decode(path: Path, fits: Fits | None, metres: float) -> Picture:
     with Image.open(path, formats=_FORMATS) as image:
         width, height = image.size
-        if width * height > MAX_PIXELS:
-            raise InputError(
-                f"{path}: expected at most {MAX_PIXELS:,} pixels, got {height:,} x {width:,}; scale it down"
-            )
+        check_pixels(path, (height, width))
         if fits is not None:
             fits((height, width), metres)
         if image.mode in _DEEP:

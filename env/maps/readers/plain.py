@@ -27,9 +27,8 @@ LARGEST_MARK = 0.1
 def read_plain(path: Path, fits: Fits | None = None) -> tuple[Belief, Cell | None]:
     """Read a plain picture; return (H, W) uint8 cells, 1 free or 2 occupied, and the marked start pixel, if any.
 
-    A pixel is free above :data:`FREE_LUMINANCE`, and where it is part of the mark; see :func:`find_mark`. What is
-    transparent shows white paper. The start is the pixel of the mark that is nearest to its middle. A pixel counts as
-    a metre when ``fits`` is asked.
+    A pixel is free above :data:`FREE_LUMINANCE` and in the mark, see :func:`find_mark`. Transparent pixels are white.
+    The start is the pixel of the mark that is nearest to its middle. ``fits`` is called with one metre a pixel.
     """
     picture = read_picture(path, fits).on_white()
     free = picture.luminance() > FREE_LUMINANCE

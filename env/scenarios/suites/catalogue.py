@@ -1,4 +1,4 @@
-"""The suites that ship, a TOML file each, ``NAME-VERSION.toml``; older versions stay, so that results are known."""
+"""The shipped suites, a TOML file each, ``NAME-VERSION.toml``; older versions stay for their results."""
 
 from __future__ import annotations
 
@@ -53,10 +53,10 @@ def buildings() -> dict[str, str]:
 
 
 def digests_of(name: str) -> list[str]:
-    """Return the digests of the maps of a part, such as ``floors/train``, of all versions; a digest is its own.
+    """Return the digests of the maps of a part, such as ``floors/train``, of all versions; a digest stays as it is.
 
     Raises:
-        InputError: there is no suite or no part of that name, or its maps are generated: their seeds tell them.
+        InputError: there is no suite or no part of that name, or its maps are generated from seeds.
 
     """
     title, slash, part = name.partition("/")

@@ -29,7 +29,7 @@ class ErrorRules(NamedTuple):
     false_returns: float
     range_std: float
     least_cosine: float
-    """Of the angle between the heading and what is in the field of view; under -1 for all around."""
+    """Least cosine of the angle between the heading and a cell in the field of view; below -1 for all around."""
     drift: float
     closures: float
     closure_gap: int
@@ -81,11 +81,11 @@ class Readings(NamedTuple):
     place: NDArray[np.int32]
     """(H * W,) index + 1 of a cell in ``cells``; 0 between scans."""
     occupancy: NDArray[np.uint8]
-    """(H, W) what the lidar takes for the map in one scan."""
+    """(H, W) the distorted map of one scan."""
 
 
 class Parts(NamedTuple):
-    """All that the compiled functions of a step with errors read and write."""
+    """The arguments of the compiled functions of a step with errors."""
 
     rules: Rules
     errors: ErrorRules

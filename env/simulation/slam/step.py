@@ -1,8 +1,8 @@
 """The step of a world whose sensors or poses err, compiled.
 
-It is that of :mod:`indoor_explorers.env.simulation.step` but for maps. Agents scan in every step, as each scan errs
-anew. Moves, collisions, radio contacts and coverage are those of the true world; what an agent knows of it, and of its
-own cell, follows from its scans and odometry.
+It equals :mod:`indoor_explorers.env.simulation.step` except for maps. Agents scan in every step, as each scan has new
+errors. Moves, collisions, radio contacts and coverage are those of the true world; an agent's map and believed cell
+follow from its scans and odometry.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ def _sense(parts: Parts, b: int, agent: int) -> None:
 
 @inner()
 def _act(parts: Parts, b: int, agent: int, action: int) -> None:
-    """Carry out an agent's action in the true world, and log what odometry tells of it for the coming scan."""
+    """Carry out an agent's action in the true world, and log its odometry for the coming scan."""
     rules, state, slam, number = parts.rules, parts.state, parts.slam, parts.state.step[b] + 1
     heading, moved, bumps = slam.heading[b, agent, number - 1], False, state.collisions[b, agent]
     state.reward[b, agent] += rules.reward_step
@@ -73,14 +73,14 @@ def _act(parts: Parts, b: int, agent: int, action: int) -> None:
 
 @inner()
 def _stay_ended(slam: Slam, b: int, agent: int, number: int) -> None:
-    """Let an agent that has ended keep its heading and the variance of its pose, which its view still tells."""
+    """Keep the heading and the pose variance of an agent that has ended for its view."""
     slam.heading[b, agent, number] = slam.heading[b, agent, number - 1]
     slam.variance[b, agent, number] = slam.variance[b, agent, number - 1]
 
 
 @inner()
 def _share_scans(parts: Parts, b: int, linked: bool, based: bool) -> None:
-    """Let linked agents correct each other's poses, and exchange what they and the base know."""
+    """Let linked agents correct each other's poses, and merge maps with each other and the base."""
     state = parts.state
     if linked and parts.errors.mates and parts.errors.drift > 0.0:
         meet_mates(parts, b)

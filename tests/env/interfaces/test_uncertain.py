@@ -5,10 +5,8 @@ import numpy as np
 import pytest
 
 from indoor_explorers.env import TURN, InputError, parallel_env
-from indoor_explorers.env.observations import Heading, Masked, Occupancy, Parts
 
 ERRORS = {"noise.misses": 0.05, "drift.rate": 0.05, "lidar.field_of_view": 120.0, "on_collision": "block"}
-OBSERVED = Masked(Parts({"probabilities": Occupancy(), "heading": Heading(), "map": "channels"}))
 
 
 def made(observation, **settings):
@@ -23,23 +21,6 @@ def test_there_is_one_action_more():
     assert len(env.reset(seed=1)[1]["action_mask"]) == 6
     assert env.action_masks()[TURN]
     assert parallel_env("thesis-team-2", settings=ERRORS).action_space("uav_1").n == 6
-
-
-def test_a_vector_gives_what_single_environments_give():
-    single = made(OBSERVED)
-    several = gymnasium.make_vec(
-        "IndoorExplorers-v0", 3, scenario="thesis-obstacles", observation=OBSERVED, settings=ERRORS
-    )
-    observed, infos = several.reset(seed=5)
-    alone, info = single.reset(seed=6)
-    rng = np.random.default_rng(0)
-    for _ in range(40):
-        for name, array in alone.items():
-            np.testing.assert_array_equal(observed[name][1], array)
-        np.testing.assert_array_equal(infos["action_mask"][1], info["action_mask"])
-        actions = rng.integers(0, 6, 3)
-        observed, _, _, _, infos = several.step(actions)
-        alone, _, _, _, info = single.step(int(actions[1]))
 
 
 def test_planes_show_the_believed_cell_and_the_map_as_it_is_now():

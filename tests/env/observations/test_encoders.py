@@ -113,8 +113,8 @@ def test_a_function_serves_in_place_of_a_name():
         ("egocentrc", "did you mean 'egocentric'"),
         ("free+fronteir", "did you mean 'frontier'"),
         ("zzz", "known: "),
-        (None, "a name, or what makes an Encoder"),
-        (lambda brief: 3, "a name, or what makes an Encoder"),
+        (None, "a name, or a factory of an Encoder"),
+        (lambda brief: 3, "a name, or a factory of an Encoder"),
         (Flat("thesi"), "did you mean 'thesis'"),
     ],
 )
