@@ -95,7 +95,10 @@ class IndoorExplorersEnv(gymnasium.Env[Arrays, np.int64]):
         return self._observe(), info_of(self.world, 0, 0)
 
     def step(self, action: np.int64 | int) -> tuple[Arrays, float, bool, bool, dict[str, Any]]:
-        """Fly one step; after the end of the episode nothing changes, and rewards are 0."""
+        """Fly one step; return observation, reward, terminated, truncated and info.
+
+        After the end of the episode nothing changes, and rewards are 0.
+        """
         if not self._begun:
             raise ResetNeeded("expected an episode to step in, got a new environment; call reset first")
         self.world.step([[action]])  # type: ignore[arg-type]  # numpy's integers are numbers, too

@@ -97,7 +97,10 @@ class TeamEnv(ParallelEnv):  # type: ignore[misc]  # PettingZoo carries no types
     def step(
         self, actions: Mapping[str, int]
     ) -> tuple[dict[str, Arrays], dict[str, float], dict[str, bool], dict[str, bool], dict[str, dict[str, Any]]]:
-        """Fly one step; ``actions`` has one action for each of ``agents``. Those that end leave ``agents``."""
+        """Fly one step with an action for each of ``agents``; agents that end leave ``agents``.
+
+        Returns observations, rewards, terminated, truncated and infos by agent.
+        """
         if not self._begun:
             raise ResetNeeded("expected an episode to step in, got a new environment; call reset first")
         if not isinstance(actions, Mapping) or actions.keys() != set(self.agents):

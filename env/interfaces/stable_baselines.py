@@ -37,7 +37,7 @@ class StableBaselinesVecEnv(VecEnv):
         super().__init__(num_envs, self.envs.single_observation_space, self.envs.single_action_space)
 
     def reset(self) -> Arrays:
-        """Start all episodes, with the seeds that :meth:`seed` has set."""
+        """Start all episodes, with the seeds of :meth:`seed`; return observations (B, ...)."""
         observations, infos = self.envs.reset(seed=self._seeds)
         self.reset_infos = _rows(infos, self.num_envs)
         self._reset_seeds()
@@ -49,7 +49,10 @@ class StableBaselinesVecEnv(VecEnv):
         self._actions = actions
 
     def step_wait(self) -> tuple[Arrays, NDArray[np.float32], NDArray[np.bool_], list[dict[str, Any]]]:
-        """Fly the step; where an episode ended, the observation is the first of its next one."""
+        """Fly the step; return observations (B, ...), rewards and ends (B,), and infos.
+
+        Where an episode ended, the observation is the first of its next one.
+        """
         observations, rewards, terminated, truncated, infos = self.envs.step(self._actions)
         over = terminated | truncated
         rows = _rows(infos, self.num_envs)
@@ -67,7 +70,7 @@ class StableBaselinesVecEnv(VecEnv):
         self.envs.close()
 
     def get_images(self) -> Sequence[NDArray[np.uint8] | None]:
-        """Return a picture of each episode."""
+        """Return a picture (h, w, 3) uint8 of each episode."""
         return self.envs.render() or [None] * self.num_envs
 
     def get_attr(self, attr_name: str, indices: Indices = None) -> list[Any]:

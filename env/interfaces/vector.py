@@ -102,7 +102,7 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
             self._observed = create_empty_array(self.single_observation_space, num_envs)
 
     def reset(self, *, seed: Seeds = None, options: dict[str, Any] | None = None) -> tuple[Arrays, dict[str, Any]]:
-        """Start all episodes, or those of the (B,) bool array ``options["reset_mask"]``."""
+        """Start all episodes, or those of the (B,) bool array ``options["reset_mask"]``; observations are (B, ...)."""
         seeds = self._spread(seed)
         chosen = self._chosen(options)
         self._start(self._prepare(np.flatnonzero(chosen).tolist(), seeds))
@@ -114,6 +114,8 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
 
     def step(self, actions: NDArray[np.integer[Any]]) -> tuple[Arrays, NDArray[np.float64], Mask, Mask, dict[str, Any]]:
         """Fly one step in every episode, or start the next one, depending on the autoreset mode.
+
+        Takes (B,) actions; returns observations (B, ...), rewards, terminated and truncated (B,), and infos.
 
         Raises:
             InputError: the next episode cannot be started; nothing was flown. In mode ``SAME_STEP`` the step after the
@@ -147,7 +149,7 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
         return legal_actions(self.world)[:, 0].copy()
 
     def render(self) -> tuple[NDArray[np.uint8], ...] | None:  # type: ignore[override]  # base: a free type variable
-        """Return one picture for each episode, as the single environment renders it."""
+        """Return one picture (h, w, 3) uint8 for each episode, as the single environment renders it."""
         if self.render_mode is None:
             return None
         if not self._begun.all():

@@ -63,7 +63,7 @@ class CoarseEncoder(Encoder):
         self._mates = np.flatnonzero(self._codes == MATES).tolist()
 
     def encode(self, view: View, out: NDArray[np.float32]) -> None:
-        """Pool one view."""
+        """Pool one view into ``out`` (C, zones, zones)."""
         row, col = view.cell
         _pool(view.belief, view.visited, row, col, self._centred, self._codes, out)
         if self._mates and view.mates:
@@ -74,7 +74,7 @@ class CoarseEncoder(Encoder):
                     _mark(rows, cols, *mate.cell, freshness(mate) / FULL, out[k])
 
     def encode_batch(self, views: Views, out: NDArray[np.float32]) -> None:
-        """Pool the views of UAVs that fly alone."""
+        """Pool the views of single UAVs into ``out`` (B, C, zones, zones)."""
         _pool_all(views.belief, views.visited, views.cell, self._centred, self._codes, out)
 
 

@@ -52,7 +52,7 @@ class CropEncoder(Encoder):
         self._mates = np.flatnonzero(self._codes == MATES).tolist()
 
     def encode(self, view: View, out: NDArray[np.float32]) -> None:
-        """Cut the square out of one view."""
+        """Crop one view into ``out`` (C, side, side)."""
         _crop(view.belief, view.visited, view.cell[0], view.cell[1], self._codes, out)
         for k in self._mates:
             for mate in view.mates:
@@ -61,7 +61,7 @@ class CropEncoder(Encoder):
                     out[k, r, c] = max(out[k, r, c], freshness(mate) / FULL)
 
     def encode_batch(self, views: Views, out: NDArray[np.float32]) -> None:
-        """Cut the squares of UAVs that fly alone."""
+        """Crop the views of single UAVs into ``out`` (B, C, side, side)."""
         _crop_all(views.belief, views.visited, views.cell, self._codes, out)
 
 

@@ -64,7 +64,7 @@ class LivePlanes:
         return self.planes
 
     def step(self, actions: NDArray[np.integer[Any]]) -> NDArray[np.uint8]:
-        """Step the world and update together, which is faster with threads than one after the other."""
+        """Step the world with actions (B, N) and update in the same threads; return :attr:`planes`."""
         self._world.step(actions, self._refresh)
         return self.planes
 

@@ -54,14 +54,14 @@ class ChannelsEncoder(Encoder):
         self._mates = np.flatnonzero(self._codes == MATES).tolist()
 
     def encode(self, view: View, out: NDArray[np.uint8]) -> None:
-        """Paint the planes of one view."""
+        """Paint the planes of one view into ``out`` (C, H, W)."""
         paint(view.belief, view.visited, view.cell[0], view.cell[1], self._codes, out)
         for k in self._mates:
             for mate in view.mates:
                 out[k][mate.cell] = max(out[k][mate.cell], freshness(mate))
 
     def encode_batch(self, views: Views, out: NDArray[np.uint8]) -> None:
-        """Paint the planes of UAVs that fly alone."""
+        """Paint the planes of single UAVs into ``out`` (B, C, H, W)."""
         _paint_all(views.belief, views.visited, views.cell, self._codes, out)
 
 
@@ -87,14 +87,14 @@ class ThesisEncoder(Encoder):
         self._own = briefing.agent + 1
 
     def encode(self, view: View, out: NDArray[np.float32]) -> None:
-        """Paint one view."""
+        """Paint one view into ``out`` (H, W)."""
         THESIS_LEVELS.take(view.belief, out=out, mode="clip")
         for mate in view.mates:
             out[mate.cell] = mate.agent + 1
         out[view.cell] = self._own
 
     def encode_batch(self, views: Views, out: NDArray[np.float32]) -> None:
-        """Paint UAVs that fly alone."""
+        """Paint the views of single UAVs into ``out`` (B, H, W)."""
         THESIS_LEVELS.take(views.belief, out=out, mode="clip")
         out[np.arange(len(views.cell)), views.cell[:, 0], views.cell[:, 1]] = self._own
 
@@ -117,7 +117,7 @@ class OccupancyEncoder(Encoder):
         self.space = Box(0.0, 1.0, (1, *briefing.shape), np.float32)
 
     def encode(self, view: View, out: NDArray[np.float32]) -> None:
-        """Write one view's probabilities."""
+        """Write one view's probabilities into ``out`` (1, H, W)."""
         out[0] = view.occupancy
 
 

@@ -47,7 +47,7 @@ class StatusEncoder(Encoder):
         self._mates = max(briefing.team - 1, 1)
 
     def encode(self, view: View, out: NDArray[np.float32]) -> None:
-        """Write one view's numbers."""
+        """Write one view's numbers into ``out`` (11,), or (15,) with the base."""
         linked = sum(mate.age == 0 for mate in view.mates) / self._mates if view.mates else 0.0
         elapsed = view.step / view.budget
         _fill(view.belief, view.cell[0], view.cell[1], view.legal, elapsed, self._number, linked, out)
@@ -67,7 +67,7 @@ class StatusEncoder(Encoder):
         return 1.0, 0.5 + down / 2, 0.5 + right / 2, age
 
     def encode_batch(self, views: Views, out: NDArray[np.float32]) -> None:
-        """Write the numbers of UAVs that fly alone."""
+        """Write the numbers of single UAVs into ``out`` (B, 11)."""
         _fill_all(views.belief, views.cell, views.legal, views.step / views.budget, self._number, out)
 
 
@@ -92,12 +92,12 @@ class LegalEncoder(Encoder):
         self.space = Box(0, 1, (briefing.scenario.actions,), np.int8)
 
     def encode(self, view: View, out: NDArray[np.int8]) -> None:
-        """Write one view's legal moves."""
+        """Write one view's legal actions into ``out`` (A,)."""
         out[:5] = view.legal
         out[5:] = 1
 
     def encode_batch(self, views: Views, out: NDArray[np.int8]) -> None:
-        """Write the legal moves of UAVs that fly alone."""
+        """Write the legal actions of single UAVs into ``out`` (B, A)."""
         out[:, :5] = views.legal
         out[:, 5:] = 1
 
@@ -120,7 +120,7 @@ class HeadingEncoder(Encoder):
         self.space = Box(0.0, 1.0, (4,), np.float32)
 
     def encode(self, view: View, out: NDArray[np.float32]) -> None:
-        """Write one view's heading."""
+        """Write one view's heading into ``out`` (4,)."""
         out[:] = 0.0
         if view.heading is not None:
             out[view.heading] = 1.0

@@ -52,7 +52,7 @@ class PartsEncoder(_ComposedEncoder):
             part.encode(view, out if name is None else out[name])
 
     def encode_batch(self, views: Views, out: dict[str, NDArray[Any]]) -> None:
-        """Encode each part for UAVs that fly alone."""
+        """Encode each part of single UAVs into its arrays (B, ...)."""
         for name, part in self._parts:
             part.encode_batch(views, out if name is None else out[name])
 
@@ -87,14 +87,14 @@ class FlatEncoder(_ComposedEncoder):
         self._scratch = {slot.name: np.empty(slot.box.shape, slot.box.dtype) for slot in self._others}
 
     def encode(self, view: View, out: NDArray[np.float32]) -> None:
-        """Encode one view; float32 parts are written where they belong at once."""
+        """Encode one view into ``out`` (K,); float32 parts are written in place."""
         parts = self._scratch | {name: out[span].reshape(shape) for name, span, shape in self._places}
         self._inner.encode(view, parts if self._named else parts[""])
         for name, span, _, scale in self._others:
             np.multiply(parts[name].reshape(-1), scale, out=out[span], casting="unsafe")
 
     def encode_batch(self, views: Views, out: NDArray[np.float32]) -> None:
-        """Encode UAVs that fly alone."""
+        """Encode the views of single UAVs into ``out`` (B, K)."""
         count = len(views.cell)
         parts = empty(self._inner.space, count)
         self._inner.encode_batch(views, parts)

@@ -11,13 +11,13 @@ from indoor_explorers.env.plugins import LIDARS, RADIOS, load_plugin
 from indoor_explorers.env.scenarios.codes import LIDAR_MODELS, RADIO_MODELS, StuckRuleName
 
 
-class Part(BaseModel):
+class SettingsGroup(BaseModel):
     """A frozen group of settings, which refuses unknown ones."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, use_attribute_docstrings=True)
 
 
-class _Sensor(Part):
+class _Sensor(SettingsGroup):
     """A group of settings whose ``model`` is one of this package or a plug-in's function."""
 
     model: str
@@ -73,7 +73,7 @@ class Radio(_Sensor):
     """Probability that a contact fails in a step, drawn for each pair of UAVs and each step."""
 
 
-class Rewards(Part):
+class Rewards(SettingsGroup):
     """The rewards of an agent; a step's reward is the sum of those that apply (thesis, Table 4.2, scenario 1)."""
 
     step: float = -0.5
@@ -92,7 +92,7 @@ class Rewards(Part):
     """Reaching the goal coverage."""
 
 
-class Stuck(Part):
+class Stuck(SettingsGroup):
     """When an agent without progress is ended."""
 
     rule: StuckRuleName = "off"
@@ -103,7 +103,7 @@ class Stuck(Part):
     """How often the most frequent of them must appear (the thesis's text: 20, its settings file: 10)."""
 
 
-class Failures(Part):
+class Failures(SettingsGroup):
     """UAVs that stop, and temporary radio failures; none by default.
 
     The cells that only a stopped UAV knew are lost: coverage counts the knowledge of the others.
@@ -128,7 +128,7 @@ class Failures(Part):
         return self.hazard > 0.0 or self.radio_hazard > 0.0 or bool(self.stops)
 
 
-class Base(Part):
+class Base(SettingsGroup):
     """The home base; none by default.
 
     It has a fixed cell and a radio like the UAVs'. UAVs in contact with it, directly or through teammates, exchange
@@ -148,7 +148,7 @@ class Base(Part):
         return self.at != "none"
 
 
-class Prior(Part):
+class Prior(SettingsGroup):
     """The prior map that all UAVs are given before the episode; none by default.
 
     It depends on the true map and the episode's seed alone. Each change of an outdated map is drawn independently.
@@ -168,7 +168,7 @@ class Prior(Part):
     prior."""
 
 
-class Noise(Part):
+class Noise(SettingsGroup):
     """Errors of the lidar, drawn for each scan, UAV and cell; none by default.
 
     With errors, UAVs scan in every step and keep maps of log-odds, which can be wrong.
@@ -187,7 +187,7 @@ class Noise(Part):
         return self.misses > 0.0 or self.false_returns > 0.0 or self.range_std > 0.0
 
 
-class Drift(Part):
+class Drift(SettingsGroup):
     """Errors of the UAVs' pose estimates, which grow with the way flown; none by default.
 
     Maps are then of log-odds: scans are drawn at the estimated pose, and drawn again when the path is corrected.

@@ -19,10 +19,10 @@ from indoor_explorers.env.scenarios.parts import (
     Failures,
     Lidar,
     Noise,
-    Part,
     Prior,
     Radio,
     Rewards,
+    SettingsGroup,
     Stuck,
 )
 from indoor_explorers.env.scenarios.validation import validated
@@ -35,7 +35,7 @@ COMPARED: Mapping[str, Any] = {"goal": 1.0, "goal_of": "team", "denominator": "r
 LATER = ("failures", "base", "prior", "noise", "drift", "lidar.field_of_view")
 
 
-class Scenario(Part):
+class Scenario(SettingsGroup):
     """Describe one task completely; equal scenarios have equal fingerprints."""
 
     name: str = Field("custom", min_length=1, max_length=80)

@@ -36,12 +36,12 @@ class StepParts(Protocol):
         """The working arrays of the thread."""
 
 
-Parts = TypeVar("Parts", bound=StepParts)
+AnyParts = TypeVar("AnyParts", bound=StepParts)
 
 
 def contacts_of(
-    share_maps: Callable[[Parts, int, bool, bool], None], forget_lost: Callable[[Parts, int], None]
-) -> tuple[Callable[[Parts, int], None], Callable[[Parts, int], None]]:
+    share_maps: Callable[[AnyParts, int, bool, bool], None], forget_lost: Callable[[AnyParts, int], None]
+) -> tuple[Callable[[AnyParts, int], None], Callable[[AnyParts, int], None]]:
     """Return two compiled functions of (parts, episode) for one kind of world: ``contact`` and ``fail_and_contact``.
 
     Args:
@@ -52,7 +52,7 @@ def contacts_of(
     """
 
     @inner()
-    def contact(parts: Parts, b: int) -> None:
+    def contact(parts: AnyParts, b: int) -> None:
         """Determine the contacts, and exchange maps."""
         rules, state, component = parts.rules, parts.state, parts.work.component
         linked = based = False
@@ -62,7 +62,7 @@ def contacts_of(
         share_maps(parts, b, linked, based)
 
     @inner()
-    def fail_and_contact(parts: Parts, b: int) -> None:
+    def fail_and_contact(parts: AnyParts, b: int) -> None:
         """Apply the failures of a step and its contacts, in the order of the rules."""
         rules, state = parts.rules, parts.state
         if rules.failures:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from indoor_explorers.env.scenarios.parts import Prior
 
 
-class Change(IntEnum):
+class PriorChange(IntEnum):
     """A kind of change; the value is part of a generator's seed and never changes."""
 
     DOORS = 0
@@ -38,12 +38,12 @@ def prior_map(truth: Belief, settings: Prior, seed: int) -> Belief:
     if settings.kind != "outdated":
         return prior
     pieces, walls, doors = standing_obstacles(truth), straight_walls(truth), doorways(truth)
-    gone, _ = _drawn(seed, Change.FURNITURE, len(pieces), settings.furniture)
+    gone, _ = _drawn(seed, PriorChange.FURNITURE, len(pieces), settings.furniture)
     for k in np.flatnonzero(gone):
         mask, box = pieces[k]
         prior[box][mask] = FREE
-    moved, sides = _drawn(seed, Change.SHIFT, len(walls), settings.shift)
-    opened, places = _drawn(seed, Change.OPENINGS, len(walls), settings.openings)
+    moved, sides = _drawn(seed, PriorChange.SHIFT, len(walls), settings.shift)
+    opened, places = _drawn(seed, PriorChange.OPENINGS, len(walls), settings.openings)
     width = _usual_width(doors)
     for k in np.flatnonzero(moved | opened):
         wall = walls[k]
@@ -53,13 +53,13 @@ def prior_map(truth: Belief, settings: Prior, seed: int) -> Belief:
             prior[wall.cells] = OCCUPIED
         if opened[k]:
             prior[_hole(wall, width, places[k]).cells] = FREE
-    shut, _ = _drawn(seed, Change.DOORS, len(doors), settings.doors)
+    shut, _ = _drawn(seed, PriorChange.DOORS, len(doors), settings.doors)
     for k in np.flatnonzero(shut):
         prior[doors[k].cells] = OCCUPIED
     return prior
 
 
-def _drawn(seed: int, change: Change, places: int, probability: float) -> tuple[Mask, np.ndarray]:
+def _drawn(seed: int, change: PriorChange, places: int, probability: float) -> tuple[Mask, np.ndarray]:
     """Draw which places change, (K,) bool, and another number from 0 to 1 for each, (K,)."""
     numbers = generator(seed, Stream.PRIOR, change).random((places, 2))
     return numbers[:, 0] < probability, numbers[:, 1]

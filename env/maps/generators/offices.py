@@ -19,7 +19,7 @@ from indoor_explorers.env.maps.generators.furniture import furnish
 TABLE, AROUND = (3, 8), 2
 
 
-class Row(NamedTuple):
+class OfficeRow(NamedTuple):
     """A row of rooms beside a corridor."""
 
     top: int
@@ -84,7 +84,7 @@ class OfficesMaps(GeneratedMaps):
         furnish(free, rooms, self.furniture, rng.integers(2**64, dtype=np.uint64))
         return np.ascontiguousarray(free.T) if turned else free
 
-    def _rows(self, rng: np.random.Generator, deep: int) -> tuple[list[Row], list[int]]:
+    def _rows(self, rng: np.random.Generator, deep: int) -> tuple[list[OfficeRow], list[int]]:
         """Return the rows of rooms from the top down, and the first row of cells of each corridor."""
         smallest, largest = self.room_depth
         aisle = self.corridor + 2
@@ -92,17 +92,17 @@ class OfficesMaps(GeneratedMaps):
         fits = [count for count, depth in spare.items() if depth >= 2 * count * smallest]
         if not fits:
             depth = deep - 3 - self.corridor
-            return [Row(self.corridor + 2, depth, self.corridor + 1, broken=False)], [1]
+            return [OfficeRow(self.corridor + 2, depth, self.corridor + 1, broken=False)], [1]
         good = [count for count in fits if spare[count] <= 2 * count * largest] or fits[-1:]
         count = good[int(rng.integers(len(good)))]
         rows, corridors, top = [], [], 1
         for number, depth in enumerate(shares(rng, spare[count], 2 * count, smallest, largest)):
             if number % 2 == 0:
-                rows.append(Row(top, depth, top + depth, broken=number > 0))
+                rows.append(OfficeRow(top, depth, top + depth, broken=number > 0))
                 corridors.append(top + depth + 1)
                 top += depth + aisle
             else:
-                rows.append(Row(top, depth, top - 1, broken=number < 2 * count - 1))
+                rows.append(OfficeRow(top, depth, top - 1, broken=number < 2 * count - 1))
                 top += depth + 1
         return rows, corridors
 
@@ -122,7 +122,7 @@ class OfficesMaps(GeneratedMaps):
         ]
 
     def _rooms(
-        self, rng: np.random.Generator, free: Mask, row: Row, start: int, length: int
+        self, rng: np.random.Generator, free: Mask, row: OfficeRow, start: int, length: int
     ) -> Iterator[tuple[int, int, int, int]]:
         """Build the rooms of a part of a row; yield (top, left, depth, width) of the rooms to be furnished."""
         smallest, largest = self.room_width

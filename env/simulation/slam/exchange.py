@@ -14,7 +14,7 @@ from indoor_explorers.env.grid.compiled import inner, leaf
 from indoor_explorers.env.simulation.radio import CELL_BYTES, POSITION_BYTES, hear
 from indoor_explorers.env.simulation.slam.maps import move_scan
 from indoor_explorers.env.simulation.slam.scans import read_scan
-from indoor_explorers.env.simulation.slam.state import Parts, Slam
+from indoor_explorers.env.simulation.slam.state import Slam, SlamParts
 from indoor_explorers.env.simulation.state import State
 
 
@@ -42,7 +42,7 @@ def _freshest(
 
 
 @leaf(entry=False)
-def _send(parts: Parts, b: int, agent: int, component: np.ndarray, root: int, source: int, based: bool) -> None:
+def _send(parts: SlamParts, b: int, agent: int, component: np.ndarray, root: int, source: int, based: bool) -> None:
     """Copy an agent's path from ``source`` to all holders of a component."""
     state, slam = parts.state, parts.slam
     team, holders = state.end.shape[1], slam.scans.shape[1]
@@ -71,7 +71,7 @@ def _send(parts: Parts, b: int, agent: int, component: np.ndarray, root: int, so
 
 
 @inner()
-def share(parts: Parts, b: int, based: bool) -> None:
+def share(parts: SlamParts, b: int, based: bool) -> None:
     """Exchange scans, positions and messages within each component; ``based``: the base is in contact."""
     state, slam, component, team = parts.state, parts.slam, parts.work.component, parts.state.end.shape[1]
     for root in range(team):

@@ -20,7 +20,7 @@ from indoor_explorers.env.grid.randomness import uniform
 from indoor_explorers.env.sensing.lidar import LidarModel
 from indoor_explorers.env.simulation.radio import walls_between
 from indoor_explorers.env.simulation.slam.maps import redraw
-from indoor_explorers.env.simulation.slam.state import ErrorRules, Parts, Slam
+from indoor_explorers.env.simulation.slam.state import ErrorRules, Slam, SlamParts
 from indoor_explorers.env.simulation.state import End, State
 from indoor_explorers.env.simulation.step import is_taken
 
@@ -71,7 +71,7 @@ def _anchor(slam: Slam, b: int, agent: int, before: int, variance: float) -> int
 
 
 @leaf(entry=False)
-def _correct(parts: Parts, b: int, agent: int, row: int, col: int, variance: float, now: int, end: int) -> None:
+def _correct(parts: SlamParts, b: int, agent: int, row: int, col: int, variance: float, now: int, end: int) -> None:
     """Set an agent's believed cell and its variance, and distribute the correction over the scans before ``end``.
 
     ``now`` is the number of the scan at the believed cell, which may be made later.
@@ -101,7 +101,7 @@ def _correct(parts: Parts, b: int, agent: int, row: int, col: int, variance: flo
 
 
 @inner()
-def close_loop(parts: Parts, b: int, agent: int) -> None:
+def close_loop(parts: SlamParts, b: int, agent: int) -> None:
     """Correct the pose of an agent that returns to a visited cell, before its scan there."""
     rules, state, slam = parts.errors, parts.state, parts.slam
     now, width = state.step[b], state.truth.shape[2]
@@ -126,7 +126,7 @@ def _sees(state: State, lidar: LidarModel, b: int, i: int, j: int) -> bool:
 
 
 @inner()
-def meet_mates(parts: Parts, b: int) -> None:
+def meet_mates(parts: SlamParts, b: int) -> None:
     """Correct the poses of agents that are linked to a visible teammate of lower pose variance."""
     state, slam, now = parts.state, parts.slam, parts.state.step[b]
     for i in range(state.end.shape[1]):

@@ -7,7 +7,7 @@ import numpy as np
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.grid.compiled import inner, leaf
 from indoor_explorers.env.simulation.slam.scans import read_scan
-from indoor_explorers.env.simulation.slam.state import Parts, Slam
+from indoor_explorers.env.simulation.slam.state import Slam, SlamParts
 from indoor_explorers.env.simulation.state import End, State
 
 STOPPED = int(End.STOPPED)
@@ -47,7 +47,7 @@ def _thresholded(log_odds: float) -> np.uint8:
 
 
 @inner()
-def move_scan(parts: Parts, count: int, b: int, holder: int, agent: int, number: int, pose: int) -> int:
+def move_scan(parts: SlamParts, count: int, b: int, holder: int, agent: int, number: int, pose: int) -> int:
     """Move the scan in ``readings`` on a holder's map to the flat cell ``pose``; -1 removes it.
 
     Returns the number of cells that the holder knows for the first time.
@@ -63,7 +63,7 @@ def move_scan(parts: Parts, count: int, b: int, holder: int, agent: int, number:
 
 
 @leaf(entry=False)
-def _draw_scan(parts: Parts, count: int, b: int, holder: int, own: int, pose: int, sign: float) -> int:
+def _draw_scan(parts: SlamParts, count: int, b: int, holder: int, own: int, pose: int, sign: float) -> int:
     """Add the scan in ``readings``, made in the flat cell ``own``, to a holder's map as if made in ``pose``.
 
     ``sign`` is 1, or -1 to remove it. Returns the number of cells that the holder knows for the first time.
@@ -113,7 +113,7 @@ def place_agent(state: State, slam: Slam, b: int, agent: int) -> None:
 
 
 @inner()
-def redraw(parts: Parts, b: int, agent: int, number: int, pose: int) -> None:
+def redraw(parts: SlamParts, b: int, agent: int, number: int, pose: int) -> None:
     """Move a scan of an agent that flies to another pose, in its own map and the team's."""
     count = read_scan(parts, b, agent, number)
     for holder in (agent, parts.state.end.shape[1]):
@@ -134,7 +134,7 @@ def _remaining_pose(state: State, slam: Slam, b: int, agent: int, number: int) -
 
 
 @leaf(entry=False)
-def forget_lost(parts: Parts, b: int) -> None:
+def forget_lost(parts: SlamParts, b: int) -> None:
     """Remove the scans that only stopped agents have from the team's map."""
     state, slam, team = parts.state, parts.slam, parts.state.end.shape[1]
     for agent in range(team):

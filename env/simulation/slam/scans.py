@@ -18,7 +18,7 @@ from indoor_explorers.env.grid.compiled import inner, leaf
 from indoor_explorers.env.grid.randomness import draw, uniform
 from indoor_explorers.env.sensing.inverse_model import CERTAIN, HIT, PASS
 from indoor_explorers.env.sensing.lidar import visible_cells
-from indoor_explorers.env.simulation.slam.state import ErrorRules, Parts, Readings, Slam
+from indoor_explorers.env.simulation.slam.state import ErrorRules, Readings, Slam, SlamParts
 from indoor_explorers.env.simulation.state import State
 
 #: Streams of one scan: distortion, and the two numbers of a normal error.
@@ -91,7 +91,7 @@ def _note_obstacle(
 
 
 @leaf(entry=False)
-def read_scan(parts: Parts, b: int, agent: int, number: int) -> int:
+def read_scan(parts: SlamParts, b: int, agent: int, number: int) -> int:
     """Repeat a scan of an agent: fill ``readings`` and return how many cells it read; the own one comes first."""
     rules, state, slam, lidar, readings = parts.errors, parts.state, parts.slam, parts.lidar, parts.readings
     height, width = state.truth.shape[1], state.truth.shape[2]

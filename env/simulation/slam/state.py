@@ -84,7 +84,7 @@ class Readings(NamedTuple):
     """(H, W) the distorted map of one scan."""
 
 
-class Parts(NamedTuple):
+class SlamParts(NamedTuple):
     """The arguments of the compiled functions of a step with errors."""
 
     rules: Rules

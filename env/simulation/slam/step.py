@@ -22,7 +22,7 @@ from indoor_explorers.env.simulation.slam.exchange import share
 from indoor_explorers.env.simulation.slam.localisation import close_loop, count_errors, drift, meet_mates
 from indoor_explorers.env.simulation.slam.maps import forget_lost, move_scan, place_agent
 from indoor_explorers.env.simulation.slam.scans import read_scan
-from indoor_explorers.env.simulation.slam.state import ErrorRules, Parts, Readings, Slam, error_rules_of
+from indoor_explorers.env.simulation.slam.state import ErrorRules, Readings, Slam, SlamParts, error_rules_of
 from indoor_explorers.env.simulation.state import End, State
 from indoor_explorers.env.simulation.step import clear_step, finish_step, move, update_legal
 
@@ -31,7 +31,7 @@ NOISE, DRIFT = int(Stream.NOISE), int(Stream.DRIFT)
 
 
 @inner()
-def _sense(parts: Parts, b: int, agent: int) -> None:
+def _sense(parts: SlamParts, b: int, agent: int) -> None:
     """Make an agent's scan of this step and draw it into its map and the team's."""
     state, slam, readings = parts.state, parts.slam, parts.readings
     number, team = state.step[b], state.end.shape[1]
@@ -54,7 +54,7 @@ def _sense(parts: Parts, b: int, agent: int) -> None:
 
 
 @inner()
-def _act(parts: Parts, b: int, agent: int, action: int) -> None:
+def _act(parts: SlamParts, b: int, agent: int, action: int) -> None:
     """Carry out an agent's action in the true world, and log its odometry for the coming scan."""
     rules, state, slam, number = parts.rules, parts.state, parts.slam, parts.state.step[b] + 1
     heading, moved, bumps = slam.heading[b, agent, number - 1], False, state.collisions[b, agent]
@@ -79,7 +79,7 @@ def _stay_ended(slam: Slam, b: int, agent: int, number: int) -> None:
 
 
 @inner()
-def _share_scans(parts: Parts, b: int, linked: bool, based: bool) -> None:
+def _share_scans(parts: SlamParts, b: int, linked: bool, based: bool) -> None:
     """Let linked agents correct each other's poses, and merge maps with each other and the base."""
     state = parts.state
     if linked and parts.errors.mates and parts.errors.drift > 0.0:
@@ -124,7 +124,7 @@ def _clear(slam: Slam, b: int, seed: int) -> None:
 def begin_uncertain(engine: Engine, errors: ErrorRules, slam: Slam, episodes: np.ndarray, seeds: np.ndarray) -> None:
     """Make the first scans and contacts of episodes (K,) that have just begun, with seeds (K,)."""
     state = engine.state
-    parts = Parts(engine.rules, errors, state, slam, engine.lidar, engine.work, _new_readings(engine))
+    parts = SlamParts(engine.rules, errors, state, slam, engine.lidar, engine.work, _new_readings(engine))
     for k in range(episodes.shape[0]):
         b = episodes[k]
         _clear(slam, b, seeds[k])
@@ -142,7 +142,7 @@ def advance_uncertain(
 ) -> None:
     """Advance episodes first to last - 1 by one step where an agent flies; ``actions`` is (B, N)."""
     state, order = engine.state, engine.work.order
-    parts = Parts(engine.rules, errors, state, slam, engine.lidar, engine.work, _new_readings(engine))
+    parts = SlamParts(engine.rules, errors, state, slam, engine.lidar, engine.work, _new_readings(engine))
     for b in range(first, last):
         if not clear_step(state, b):
             continue

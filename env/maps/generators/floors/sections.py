@@ -19,7 +19,7 @@ THROUGH, SHARED = 1.5, 2.4
 CLOSED = 0.6
 
 
-class Row(NamedTuple):
+class SectionRow(NamedTuple):
     """A row of rooms along one side of a corridor; lengths in cells."""
 
     view: Spaces
@@ -60,7 +60,7 @@ class Filling:
     def _fill_side(self, side: Side) -> None:
         """Fill one side of a corridor, wherever at least the smallest room fits."""
         view, start, stop = side
-        row = Row(
+        row = SectionRow(
             view,
             wall=1 + int(self.rng.random() < self.style.thick),
             depth=max(2, round(self.style.depth * self.rng.uniform(0.8, 1.25))),
@@ -73,7 +73,7 @@ class Filling:
         for first, last in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
             self._fill_columns(row, low + first + 1, low + last - 1)
 
-    def _fill_columns(self, row: Row, start: int, stop: int) -> None:
+    def _fill_columns(self, row: SectionRow, start: int, stop: int) -> None:
         """Fill columns of a row with sections, one after the other."""
         while stop - start >= self.least:
             kind = SECTIONS[int(self.rng.choice(len(SECTIONS), p=self.style.sections))]
@@ -107,7 +107,7 @@ class Filling:
             module, depth = cells(rng.uniform(3.0, 9.0)), round(depth * rng.uniform(0.4, 1.1))
         return max(self.least, round(module * factor)), max(self.least, depth)
 
-    def _place(self, kind: str, row: Row, start: int, stop: int) -> None:
+    def _place(self, kind: str, row: SectionRow, start: int, stop: int) -> None:
         """Place a room of a section if there is space; rows that face each other share the space between them."""
         view, wall, depth = row
         free = depth_free(view, start, stop, wall, round(SHARED * depth) + 2)

@@ -6,9 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from indoor_explorers.env import World
-from indoor_explorers.env.grid.cells import FREE, MOVES, Action
+from indoor_explorers.env.grid.cells import FREE, Action
 from indoor_explorers.env.maps.floorplan import Floorplan
-from tests.env.simulation.slam.flights import EVERYTHING, begun, disc, random_actions, task
+from tests.env.simulation.slam.flights import disc, task
 
 DOWN, LEFT, UP, RIGHT, STAY = (int(action) for action in Action)
 HALL = Floorplan(np.full((30, 30), FREE, np.uint8), "hall")
@@ -44,17 +44,6 @@ def pose_error(world, n=0):
     return float(np.linalg.norm(world.state.believed_cell[0, n] - world.state.cell[0, n]))
 
 
-@examples
-@given(seeds, st.integers(1, 3))
-def test_without_drift_the_believed_cell_is_the_true_one(seed, team):
-    world, rng = begun(task(team, disc(4.0), EVERYTHING, {"drift.rate": 0.0}), seed), np.random.default_rng(seed)
-    for _ in range(20):
-        world.step(random_actions(rng, world)[None])
-        np.testing.assert_array_equal(world.state.believed_cell, world.state.cell)
-        assert all(world.view(0, n).pose_std == 0.0 for n in range(team))
-    assert not world.slam.pose_error.any()
-
-
 def test_a_uav_slips_as_often_as_set_in_any_direction_and_only_when_it_flies():
     world, batch = World(task(1, ALONE, {"drift.rate": 0.2, "lidar.range": 1.0}), 200), range(200)
     for episode in batch:
@@ -72,19 +61,6 @@ def test_a_uav_slips_as_often_as_set_in_any_direction_and_only_when_it_flies():
     directions, counts = np.unique(slipped, axis=0, return_counts=True)
     assert sorted(map(tuple, directions.tolist())) == [(-1, 0), (0, -1), (0, 1), (1, 0)]
     assert counts / len(slipped) == pytest.approx(0.25, abs=0.06)
-
-
-def test_a_uav_believes_in_its_moves_so_its_actions_tell_no_slip():
-    slipped = 0
-    for seed in range(8):
-        world, rng = in_hall(1, ALONE, {"drift.rate": 0.5}, seed=seed), np.random.default_rng(seed)
-        believed = np.array([15, 15])
-        for action in rng.integers(0, 5, 12).tolist():
-            fly(world, action)
-            believed = believed + MOVES[action]
-            assert world.view(0, 0).cell == tuple(believed.tolist())
-            slipped += pose_error(world) > 0.0
-    assert slipped
 
 
 def test_the_variance_is_that_of_a_random_walk_until_a_loop_is_closed():
@@ -158,38 +134,3 @@ def test_a_teammate_in_sight_that_never_moved_makes_the_pose_right(seed):
         assert world.state.linked[0, 0, 1]
         assert pose_error(world, 1) == 0.0
         assert world.view(0, 1).pose_std == 0.0
-
-
-@pytest.mark.parametrize(
-    "changes",
-    [{"drift.mates": False}, {"radio.model": "none"}, {"lidar.range": 1.0}],
-    ids=["off", "unlinked", "unseen"],
-)
-def test_mates_correct_only_where_they_are_linked_and_in_sight(changes):
-    errors = []
-    for seed in range(12):
-        settings = ({"drift.rate": 0.5, "drift.closures": 0.0}, disc(9.0), {"lidar.range": 4.0}, changes)
-        world = in_hall(2, *settings, seed=seed, spawns=((15, 15), (15, 17)))
-        fly(world, *([STAY, action] for action in (RIGHT, UP, UP, LEFT)))
-        errors.append(pose_error(world, 1))
-    assert max(errors) > 0.0
-
-
-def test_walls_hide_mates():
-    truth = np.full((3, 9), FREE, np.uint8)
-    truth[1, 1:8] = 2
-    for seed in range(12):
-        world = World(task(2, {"drift.rate": 0.5, "drift.closures": 0.0}, disc(9.0)))
-        world.begin(0, seed, floorplan=Floorplan(truth, "two corridors"), spawns=[(0, 4), (2, 4)])
-        fly(world, [STAY, RIGHT], [STAY, LEFT], [STAY, RIGHT], [STAY, LEFT])
-        assert world.view(0, 1).pose_std == pytest.approx(2.0**0.5)
-
-
-def test_the_believed_cell_stays_on_the_map():
-    world = World(task(1, ALONE, {"drift.rate": 0.5}))
-    world.begin(0, 3, floorplan=Floorplan(np.full((1, 4), FREE, np.uint8), "alley"))
-    for action in (RIGHT, LEFT) * 25:
-        fly(world, action)
-        row, col = world.view(0, 0).cell
-        assert row == 0
-        assert 0 <= col < 4
