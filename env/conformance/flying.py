@@ -14,15 +14,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from indoor_explorers.env.conformance.contract import (
+from indoor_explorers.env.conformance.findings import CannotFly, calling, shown
+from indoor_explorers.env.conformance.traces import (
+    Decision,
+    Setup,
+    Trace,
     action_of,
     check_briefed,
     check_tallied,
     checked_message,
+    digest_of,
     facts_of,
 )
-from indoor_explorers.env.conformance.findings import CannotFly, calling, shown
-from indoor_explorers.env.conformance.traces import Decision, Setup, Trace, digest_of
 from indoor_explorers.env.grid.arrays import Belief, read_only
 from indoor_explorers.env.grid.cells import OCCUPIED, UNKNOWN, Action
 from indoor_explorers.env.maps.sources import MapSource

@@ -15,8 +15,7 @@ from itertools import permutations
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.conformance.causes import shared_things
-from indoor_explorers.env.conformance.findings import CannotFly, Differs
+from indoor_explorers.env.conformance.findings import CannotFly, Differs, shared_state
 from indoor_explorers.env.conformance.flying import Changed, is_privileged
 from indoor_explorers.env.conformance.harness import FIRST, SOLO, STEPS, TEAM, Harness
 from indoor_explorers.env.conformance.traces import Setup, Trace, compare
@@ -189,6 +188,6 @@ def check_unlinked(harness: Harness) -> str:
             raise Differs(
                 f"UAV {agent} chose differently at step {step} when only {what}, of which it had seen and heard "
                 f"nothing (radio {scenario.radio.model})",
-                fix + shared_things(harness.policy, harness.pilot),
+                fix + shared_state(harness.policy, harness.pilot),
             )
     return f"3 teammates replaced and 2 stopped, {decisions} decisions: changed nothing"

@@ -15,15 +15,21 @@ from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.grid.cells import FREE
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.maps.readers.building import read_building
-from indoor_explorers.env.maps.readers.doorways import open_doorways
 from indoor_explorers.env.maps.readers.houseexpo import RESOLUTION, read_houseexpo
+from indoor_explorers.env.maps.readers.image import read_plain
 from indoor_explorers.env.maps.readers.movingai import read_movingai
 from indoor_explorers.env.maps.readers.npy import inverted_notes, read_npy
 from indoor_explorers.env.maps.readers.opening import Fits, check_file, read_json
-from indoor_explorers.env.maps.readers.plain import read_plain
 from indoor_explorers.env.maps.readers.ros import parse_ros, read_ros
 from indoor_explorers.env.maps.readers.vectormap import read_vectormap
-from indoor_explorers.env.maps.reduction import Source, check_resolution, checked_factor, cropped, reduced
+from indoor_explorers.env.maps.reduction import (
+    Source,
+    check_resolution,
+    checked_factor,
+    cropped,
+    open_doorways,
+    reduced,
+)
 
 
 def read_map(path: str | Path, resolution: float | None = None) -> Floorplan:

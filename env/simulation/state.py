@@ -34,7 +34,7 @@ class End(IntEnum):
     BUDGET = 5
     """All steps are flown."""
     STOPPED = 6
-    """It failed, see :mod:`indoor_explorers.env.simulation.failures`."""
+    """It failed, see :mod:`indoor_explorers.env.simulation.contacts`."""
 
 
 class Rules(NamedTuple):

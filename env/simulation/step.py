@@ -9,9 +9,8 @@ from indoor_explorers.env.grid.compiled import inner, kernel, leaf
 from indoor_explorers.env.grid.randomness import shuffled
 from indoor_explorers.env.scenarios.codes import RadioModel, StuckRule
 from indoor_explorers.env.sensing.lidar import LidarModel, Scan, visible_cells
-from indoor_explorers.env.simulation.contacts import contacts_of
+from indoor_explorers.env.simulation.contacts import contacts_of, forget_lost
 from indoor_explorers.env.simulation.engine import Engine, ExactParts, Work
-from indoor_explorers.env.simulation.failures import forget_lost
 from indoor_explorers.env.simulation.home_base import report
 from indoor_explorers.env.simulation.radio import exchange, learn
 from indoor_explorers.env.simulation.state import End, Rules, State

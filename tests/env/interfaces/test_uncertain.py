@@ -2,9 +2,8 @@
 
 import gymnasium
 import numpy as np
-import pytest
 
-from indoor_explorers.env import TURN, InputError, parallel_env
+from indoor_explorers.env import TURN, parallel_env
 
 ERRORS = {"noise.misses": 0.05, "drift.rate": 0.05, "lidar.field_of_view": 120.0, "on_collision": "block"}
 
@@ -35,10 +34,3 @@ def test_planes_show_the_believed_cell_and_the_map_as_it_is_now():
             np.testing.assert_array_equal(planes[value] > 0, view.belief == value)
         apart += view.cell != true
     assert apart > 20
-
-
-def test_turning_is_no_action_where_the_lidar_sees_all_around():
-    env = made("channels", **{"lidar.field_of_view": 360.0})
-    env.reset(seed=1)
-    with pytest.raises(InputError, match="expected an action from 0 to 4, got 5"):
-        env.step(TURN)

@@ -11,9 +11,9 @@ from indoor_explorers.env import InputError
 from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.maps.files import read_map
-from indoor_explorers.env.maps.readers.doorways import open_doorways
-from indoor_explorers.env.maps.readers.plain import read_plain
+from indoor_explorers.env.maps.readers.image import read_plain
 from indoor_explorers.env.maps.readers.ros import RosMap, parse_ros, read_ros, trinary
+from indoor_explorers.env.maps.reduction import open_doorways
 from indoor_explorers.env.maps.sources import FileMaps, drawn, office
 
 SHARED = Path(__file__).parents[3] / ".." / "shared" / "maps"

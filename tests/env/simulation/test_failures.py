@@ -123,10 +123,3 @@ def test_a_failed_radio_neither_sends_nor_receives_for_its_outage():
     assert abs(silent.mean() - 5 / (5 + 9)) < 0.04  # nine steps until a failure, then five of silence
     runs = np.diff(np.flatnonzero(np.diff(np.concatenate(([0], silent[:, 0], [0])).astype(int))))[::2]
     assert (runs[:-1] % 5 == 0).all()
-
-
-def test_nothing_is_drawn_where_nothing_can_fail():
-    world = in_corridor((0, 10))
-    stay(world, 50)
-    assert world.flying.all()
-    assert not world.state.silent_until.any()

@@ -17,10 +17,10 @@ from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.maps.files import read_map
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.maps.readers.houseexpo import read_houseexpo
+from indoor_explorers.env.maps.readers.image import read_plain
 from indoor_explorers.env.maps.readers.movingai import read_movingai
 from indoor_explorers.env.maps.readers.npy import occupancy, read_npy
 from indoor_explorers.env.maps.readers.opening import read_json
-from indoor_explorers.env.maps.readers.plain import read_plain
 from indoor_explorers.env.maps.sources import FileMaps
 
 SHARED = Path(__file__).parents[4] / ".." / "shared" / "maps"
