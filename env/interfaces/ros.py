@@ -65,12 +65,7 @@ class GridFrame:
         return x + (col + 0.5) * self.resolution, y + (self.shape[0] - row - 0.5) * self.resolution
 
     def cell(self, x: float, y: float) -> Cell:
-        """Return the cell (row, column) that holds a point in metres.
-
-        Raises:
-            InputError: it is off the map.
-
-        """
+        """Return the cell (row, column) of a point in metres; raise :class:`InputError` if it is off the map."""
         col = math.floor((x - self.origin[0]) / self.resolution)
         row = self.shape[0] - 1 - math.floor((y - self.origin[1]) / self.resolution)
         if not (0 <= row < self.shape[0] and 0 <= col < self.shape[1]):

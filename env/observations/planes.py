@@ -122,12 +122,7 @@ class OccupancyEncoder(Encoder):
 
 
 def codes_of(planes: Sequence[str]) -> NDArray[np.int64]:
-    """Return the (C,) numbers of planes in :data:`PLANES`.
-
-    Raises:
-        InputError: there are none, or one has no such name.
-
-    """
+    """Return the (C,) numbers of planes in :data:`PLANES`; raise :class:`InputError` for none or an unknown one."""
     if isinstance(planes, str) or not planes:
         raise InputError(f"expected a sequence of planes such as ('free', 'self'), got {planes!r}")
     for plane in planes:

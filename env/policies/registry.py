@@ -49,12 +49,7 @@ class _Target(NamedTuple):
 
 
 def policy_entry_points() -> dict[str, EntryPoint]:
-    """Return the declared policies by name; a name declared twice is refused.
-
-    Raises:
-        InputError: two installed distributions declare the same name for different objects.
-
-    """
+    """Return the declared policies by name; raise :class:`InputError` for a name of two different objects."""
     return _declared(GROUP, "policy name")
 
 
@@ -101,12 +96,7 @@ def make_policy(name: str, **parameters: Any) -> Policy:
 
 
 def policy_class(name: str) -> Any:
-    """Return the class, or the declared function, that :func:`make_policy` would call.
-
-    Raises:
-        InputError: no such name, or a missing optional dependency.
-
-    """
+    """Return the class or function that :func:`make_policy` calls; raise :class:`InputError` if there is none."""
     return _load(name)[0]
 
 
@@ -145,12 +135,7 @@ def _declared(group: str, what: str) -> dict[str, EntryPoint]:
 
 @cache
 def is_own_policy(name: str) -> bool:
-    """Tell, without importing anything, whether a policy's code belongs to this package.
-
-    Raises:
-        InputError: no such name.
-
-    """
+    """Tell, without an import, whether a policy belongs to this package; raise :class:`InputError` if there is none."""
     package, _, rest = _target(name).address.partition(".")
     return package == __name__.partition(".")[0] and rest.partition(".")[0] in PARTS
 

@@ -111,12 +111,7 @@ class Window:
 
 
 def load_pygame() -> Any:
-    """Import pygame, quietly.
-
-    Raises:
-        InputError: it is not installed.
-
-    """
+    """Import pygame without its messages; raise :class:`InputError` if it is not installed."""
     os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
     try:
         with warnings.catch_warnings():

@@ -77,12 +77,7 @@ class CustomModels:
 def custom_scan(
     lidar: Callable[..., Any], truth: NDArray[np.uint8], cell: tuple[int, int], lidar_range: float
 ) -> NDArray[np.bool_]:
-    """Return the (H, W) mask of the cells that a plug-in's lidar sees from a cell, the cell itself included.
-
-    Raises:
-        RunError: the plug-in failed, or returned something else.
-
-    """
+    """Return the (H, W) mask that a plug-in's lidar sees, with the own cell; raise :class:`RunError` if it fails."""
     seen = _called(lidar, "lidar", truth, cell, lidar_range)
     if seen.shape != truth.shape:
         raise RunError(f"lidar: expected an (H, W) mask of shape {truth.shape}, got one of shape {seen.shape}")

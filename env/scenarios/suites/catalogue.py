@@ -29,12 +29,7 @@ def suites() -> dict[str, Suite]:
 
 
 def suite_of(name: str) -> Suite:
-    """Return the latest version of a suite.
-
-    Raises:
-        InputError: there is no suite of that name.
-
-    """
+    """Return the latest version of a suite; raise :class:`InputError` if there is no suite of that name."""
     known = suites()
     if name not in known:
         raise InputError(f"unknown suite {name!r}{did_you_mean(name, known)}")
