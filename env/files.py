@@ -15,7 +15,7 @@ from indoor_explorers.env.errors import InputError
 
 
 def expanded(path: str | Path) -> Path:
-    """Return a path with the home folder in place of ``~`` at its beginning; that of an unknown user stays."""
+    """Return a path with a leading ``~`` replaced by the home folder, unless the user is unknown."""
     return Path(os.path.expanduser(path))  # noqa: PTH111, pathlib's raises for users that do not exist
 
 
@@ -39,8 +39,8 @@ def writable(path: Path, option: str) -> Iterator[None]:
 def written_whole(path: Path) -> Iterator[Path]:
     """Give a path to write to that becomes ``path`` at the end; when writing fails, ``path`` stays as it was.
 
-    A link stays, and the file that it leads to is replaced. What is neither file nor folder, such as a pipe or a
-    device, stays as well and is written to at the end. Several processes may write one path: the last one counts.
+    A link stays, and its target is replaced. A pipe or a device stays and is written to at the end. Several processes
+    may write one path: the last one counts.
     """
     if _is_special(path):
         with tempfile.TemporaryDirectory(prefix="indoor-explorers-") as folder:
@@ -63,7 +63,7 @@ def written_whole(path: Path) -> Iterator[Path]:
 
 
 def _is_special(path: Path) -> bool:
-    """Tell whether a path leads to something that is neither file nor folder; raises ``OSError`` for circular links."""
+    """Tell whether a path is neither file nor folder; raises ``OSError`` for circular links."""
     try:
         mode = path.stat().st_mode
     except FileNotFoundError:
