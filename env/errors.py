@@ -6,7 +6,7 @@ import difflib
 import os
 from collections.abc import Iterable
 
-#: Characters of what a policy said went wrong that are kept.
+#: Characters that are kept of a policy's error message.
 LONGEST = 500
 #: Characters of a value, or of a plug-in's error, that are repeated in a message.
 SHOWN = 120
@@ -34,7 +34,7 @@ class PolicyError(Exception):
 
 
 class RunError(_OneLineError, RuntimeError):
-    """Report a run that cannot go on through no fault of its input, such as a worker that was killed."""
+    """Report a run that failed for another reason than its input, such as a killed worker."""
 
 
 def debugging() -> bool:
@@ -45,7 +45,7 @@ def debugging() -> bool:
 def did_you_mean(word: str, known: Iterable[str], prefix: str = "") -> str:
     """Return ``"; did you mean 'x'?"`` for the closest known word, else the list of known words.
 
-    ``prefix`` is what stands before the words in a dotted key, such as ``"radio."``.
+    ``prefix`` comes before the words in a dotted key, such as ``"radio."``.
     """
     names = sorted(known)
     close = difflib.get_close_matches(word, names, n=1, cutoff=0.6)
@@ -55,10 +55,7 @@ def did_you_mean(word: str, known: Iterable[str], prefix: str = "") -> str:
 
 
 def one_line(text: str, most: int = LONGEST) -> str:
-    """Return a text as one line that can be printed: control characters escaped, and cut after ``most`` characters.
-
-    Words that are longer than any good path lose their middle, so that what stands after them is still read.
-    """
+    """Return a text as one printable line of at most ``most`` characters; very long words lose their middle."""
     flat = " ".join(map(_cut, text[: 10 * most].split()))
     shown = "".join(each if each.isprintable() else each.encode("unicode_escape").decode() for each in flat)
     return shown if len(shown) <= most else shown[: most - 1] + "…"
@@ -69,7 +66,7 @@ def _cut(word: str) -> str:
 
 
 def shown(value: object, most: int = SHOWN) -> str:
-    """Return how a value is written, on one line, even where its ``repr`` fails."""
+    """Return the ``repr`` of a value on one line, or a description if its ``repr`` fails."""
     try:
         return one_line(repr(value), most)
     except Exception as error:
@@ -77,7 +74,7 @@ def shown(value: object, most: int = SHOWN) -> str:
 
 
 def described(error: BaseException, most: int = LONGEST) -> str:
-    """Return the type and message of an exception as one line, cut, whatever its class makes of its message."""
+    """Return the type and message of an exception as one line, even if its ``str`` fails."""
     try:
         text = str(error)
     except BaseException as worse:

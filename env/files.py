@@ -9,19 +9,38 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from uuid import uuid4
+
+from indoor_explorers.env.errors import InputError
 
 
 def expanded(path: str | Path) -> Path:
-    """Return a path with the home folder in place of ``~`` at its beginning; that of an unknown user stays."""
+    """Return a path with a leading ``~`` replaced by the home folder, unless the user is unknown."""
     return Path(os.path.expanduser(path))  # noqa: PTH111, pathlib's raises for users that do not exist
+
+
+@contextmanager
+def writable(path: Path, option: str) -> Iterator[None]:
+    """Tell a user whose files cannot be written to choose another path with ``option``.
+
+    Raises:
+        InputError: a file cannot be written.
+
+    """
+    try:
+        yield
+    except OSError as error:
+        raise InputError(
+            f"{error.filename or path}: cannot be written: {error.strerror}; choose another {option}"
+        ) from error
 
 
 @contextmanager
 def written_whole(path: Path) -> Iterator[Path]:
     """Give a path to write to that becomes ``path`` at the end; when writing fails, ``path`` stays as it was.
 
-    A link stays, and the file that it leads to is replaced. What is neither file nor folder, such as a pipe or a
-    device, stays as well and is written to at the end.
+    A link stays, and its target is replaced. A pipe or a device stays and is written to at the end. Several processes
+    may write one path: the last one counts.
     """
     if _is_special(path):
         with tempfile.TemporaryDirectory(prefix="indoor-explorers-") as folder:
@@ -31,16 +50,20 @@ def written_whole(path: Path) -> Iterator[Path]:
                 shutil.copyfileobj(written, special)
         return
     path = Path(os.path.realpath(path))
-    partial = path.with_name(f".{path.name}.partial")
+    partial = path.with_name(f".{path.name}.{uuid4().hex[:12]}.partial")
     try:
         yield partial
         partial.replace(path)
+    except OSError as error:
+        if error.filename == str(partial):
+            error.filename = str(path)
+        raise
     finally:
         partial.unlink(missing_ok=True)
 
 
 def _is_special(path: Path) -> bool:
-    """Tell whether a path leads to something that is neither file nor folder; raises ``OSError`` for circular links."""
+    """Tell whether a path is neither file nor folder; raises ``OSError`` for circular links."""
     try:
         mode = path.stat().st_mode
     except FileNotFoundError:

@@ -1,4 +1,4 @@
-"""Plug-ins by name: what a distribution declares in an entry-point group, or ``module:attribute``."""
+"""Load plug-ins by their name in an entry-point group, or as ``module:attribute``."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import inspect
 from collections.abc import Iterable
 from functools import cache
 from importlib.metadata import entry_points
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
@@ -24,13 +25,13 @@ def declared(group: str) -> dict[str, str]:
 
 
 def load_plugin(group: str, name: str, what: str, others: Iterable[str] = ()) -> Any:
-    """Return what a name of a group, or ``module:attribute``, stands for.
+    """Return the object of a name in a group, or of ``module:attribute``.
 
     Args:
-        group: the entry-point group.
-        name: the name that was given.
-        what: what it should be, for errors: "map generator".
-        others: names that are no plug-ins and would have been accepted, for errors.
+        group: The entry-point group.
+        name: The name.
+        what: The kind of object, for errors, such as "map generator".
+        others: Other accepted names that are no plug-ins, for errors.
 
     Raises:
         InputError: there is no such name, or its module cannot be imported.
@@ -44,23 +45,22 @@ def load_plugin(group: str, name: str, what: str, others: Iterable[str] = ()) ->
             f"unknown {what} {name!r}{did_you_mean(name, known)}; expected one of {', '.join(known)}, or module:name"
         )
     try:
-        found: Any = importlib.import_module(module)
+        found = importlib.import_module(module)
     except (Exception, SystemExit) as error:
         raise InputError(f"{what} {name!r}: importing {module} raised {described(error)}") from error
-    for part in attribute.split("."):
-        if not hasattr(found, part):
-            raise InputError(f"{what} {name!r}: module {module} has no {attribute!r}")
-        found = getattr(found, part)
-    return found
+    try:
+        return attrgetter(attribute)(found)
+    except AttributeError as error:
+        raise InputError(f"{what} {name!r}: module {module} has no {attribute!r}") from error
 
 
 def is_own(plugin: Any) -> bool:
-    """Return whether a class or function is of this package."""
+    """Return whether a class or function belongs to this package."""
     return str(plugin.__module__).partition(".")[0] == __name__.partition(".")[0]
 
 
 def source_hash(plugin: Any) -> str:
-    """Return a short hash of the file that a class or function is from, empty where it is from none."""
+    """Return a short hash of the source file of a class or function; empty if there is no file."""
     try:
         file = inspect.getsourcefile(plugin)
     except TypeError:

@@ -35,7 +35,7 @@ def source_commit() -> str | None:
 
 
 def recorded_maps(path: Path) -> dict[str, list[str]]:
-    """Return the map files behind some weights by their use, ``seen_maps`` of a training's record; empty without."""
+    """Return the map files that weights were trained on, by use: ``seen_maps`` of a training's record, if any."""
     try:
         seen = json.loads(path.read_text(encoding="utf-8")).get("seen_maps", {})
         return {SeedUse(use): [str(each) for each in listed] for use, listed in seen.items()}
@@ -44,7 +44,7 @@ def recorded_maps(path: Path) -> dict[str, list[str]]:
 
 
 def joined(records: Sequence[Mapping[str, Sequence[Seen]]]) -> dict[str, list[Seen]]:
-    """Return what several trainings saw by use, each entry once."""
+    """Return the union of several trainings' seeds or maps by use, each entry once."""
     uses = dict.fromkeys(use for record in records for use in record)
     return {use: list(dict.fromkeys(each for record in records for each in record.get(use, ()))) for use in uses}
 

@@ -11,9 +11,8 @@ from indoor_explorers.env import InputError
 from indoor_explorers.env.policies.registry import is_own_policy
 from indoor_explorers.env.simulation.spawns import draw_floorplan, draw_spawns
 from indoor_explorers.evaluation.harness.engines.factory import make_engine
-from indoor_explorers.evaluation.harness.engines.flown_again import found_in_flights
-from indoor_explorers.evaluation.harness.engines.knowledge import Facts, with_failed_checks
 from indoor_explorers.evaluation.harness.engines.loading import PolicyLoader
+from indoor_explorers.evaluation.harness.engines.plugin_checks import Facts, found_in_flights, with_failed_checks
 from indoor_explorers.evaluation.harness.engines.workload import Workload
 from indoor_explorers.evaluation.harness.episodes.record import FlownEpisode
 from indoor_explorers.evaluation.harness.experiment.experiment import Experiment, PolicyChoice
@@ -82,7 +81,7 @@ def fly_missing(
         _make_folder(out)
         with Store(out / "results.db", fresh=how.fresh) as store:
             about = _checked(experiment, about, store.policies(), loader, how)
-            loader.close()  # its processes have told everything
+            loader.close()  # its processes are no longer needed
             facts = run_facts(command, how.engine, how.workers)
             number = store.begin_run(experiment, _of_all_runs(about, store.policies()), facts, refly=how.refly)
             finished = store.finished(failed=not how.retry_failed)
@@ -116,7 +115,7 @@ def _checked(
     loader: PolicyLoader,
     how: ComparisonRequest,
 ) -> dict[str, Facts]:
-    """Add to the facts of policies what they know and whether they fly isolated; refuse unknown baselines."""
+    """Add to the facts of policies which check they fail and whether they fly isolated; refuse unknown baselines."""
     chosen_baselines([*stored, *about], [], how.ratio_to)
     if how.workers != 0:
         about = with_failed_checks(experiment, about, stored, loader)
@@ -126,16 +125,16 @@ def _checked(
 def _of_all_runs(about: Mapping[str, Facts], stored: Mapping[str, Facts]) -> dict[str, Facts]:
     """Return the facts to store, with what checks found in earlier runs.
 
-    A policy flew isolated if it did so in all runs, which older stores do not tell.
+    A policy flew isolated if it did so in all runs; older stores lack this fact.
     """
-    told = {}
+    merged = {}
     for name, facts in about.items():
         before = stored.get(name, facts)
         if version_difference(before, facts):
             before = facts
         found = {fact: before[fact] for fact in ("failed_check", "flown_again") if fact in before}
-        told[name] = found | facts | {"isolated": facts["isolated"] and before.get("isolated")}
-    return told
+        merged[name] = found | facts | {"isolated": facts["isolated"] and before.get("isolated")}
+    return merged
 
 
 def _flies_isolated(choice: PolicyChoice, how: ComparisonRequest) -> bool:

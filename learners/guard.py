@@ -54,7 +54,7 @@ def nearest_frontier(belief: np.ndarray, row: int, col: int, queue: np.ndarray, 
 
 @leaf()
 def discovered(belief: np.ndarray, row: int, col: int, lidar: LidarModel, scan: Scan, noted: np.ndarray) -> int:
-    """Count the known cells in view of a UAV that ``noted`` (H, W) uint8 lacks: those that its own lidar discovered.
+    """Count the known cells in view of a UAV that ``noted`` (H, W) uint8 lacks: its own lidar discovered them.
 
     Newly known cells outside its view came by radio; they are no progress of this UAV.
     """
@@ -185,7 +185,7 @@ class Guard:
 
 
 class WatchedPilot(Pilot):
-    """A pilot whose moves the guard may replace; what the UAV discovered itself is counted from its views."""
+    """A pilot whose moves the guard may replace; it counts the cells that its UAV discovered itself from its views."""
 
     def __init__(self, briefing: Briefing, *, guard: bool) -> None:
         self._guard = Guard(briefing.shape, briefing.rng) if guard else None

@@ -11,23 +11,23 @@ from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.registry import make_policy
 from indoor_explorers.env.policies.view import MESSAGE_LIMIT, Briefing, Mate, View
 from indoor_explorers.planners.toolbox.navigation.navigator import Navigator
-from indoor_explorers.planners.toolbox.parameters import at_least
+from indoor_explorers.planners.toolbox.parameters import Parameters, bounded, one_of
 
 When = Literal["trips", "every", "deadline", "never"]
 #: Numbers that are added to each message: steps home, and whether the sender flies there.
 ADDED = 2
-#: Steps to spare before the deadline: this many, and one more for each of that many steps of the way.
+#: Reserve before the deadline: ``SPARE`` steps, and one more for every ``SPARE_EVERY`` steps of the path home.
 SPARE, SPARE_EVERY = 3, 8
 
 
 @dataclass(frozen=True, kw_only=True)
-class ReturnToBase(Policy):
-    """Explore as another policy does, and bring home what was seen.
+class ReturnToBase(Parameters, Policy):
+    """Explore as another policy does, and report the map at a home base.
 
     Where there is no base, UAVs fly as that policy. Of UAVs in contact only the one nearest to the base flies home: it
-    has what the others know, which counts for them as reported. At the latest a UAV leaves when the remaining steps
-    just suffice, or when nothing is left that it could explore. UAVs with the roles of explorers and relays are those
-    of J. de Hoog, S. Cameron, A. Visser, "Role-based autonomous multi-robot exploration", ComputationWorld 2009,
+    has their maps, which count as reported. At the latest a UAV leaves when the remaining steps
+    just suffice, or when no reachable frontier is left. UAVs with the roles of explorers and relays are from
+    J. de Hoog, S. Cameron, A. Visser, "Role-based autonomous multi-robot exploration", ComputationWorld 2009,
     doi:10.1109/ComputationWorld.2009.14; here the roles follow from the distances home, step by step.
     """
 
@@ -35,20 +35,17 @@ class ReturnToBase(Policy):
 
     explorer: str = "frontier"
     """Registry name of the policy that explores."""
-    when: When = "trips"
+    when: When = one_of("trips", get_args(When))
     """When to fly home before the end: ``trips``: when the last contact with the base is older than some flights home
     and back take; ``every``: after a fixed number of steps; ``deadline``: at the end alone; ``never``."""
-    trips: float = 2.0
+    trips: float = bounded(2.0, least=0)
     """``trips``: how many such flights."""
-    every: int = 100
+    every: int = bounded(100, least=1)
     """``every``: steps since the last contact."""
 
     def __post_init__(self) -> None:
-        """Refuse parameters that make no sense, and take over what the explorer declares."""
-        at_least(self, 0.0, "trips")
-        at_least(self, 1, "every")
-        if self.when not in get_args(When):
-            raise InputError(f"ReturnToBase: expected when to be one of {', '.join(get_args(When))}, got {self.when!r}")
+        """Check the parameters and the explorer, and take over whether the explorer reads the generator."""
+        super().__post_init__()
         explorer = make_policy(self.explorer)
         if explorer.privileged:
             raise InputError(f"ReturnToBase: expected an explorer that is not given the map, got {self.explorer!r}")
@@ -66,7 +63,7 @@ class ReturnPilot(Pilot):
     def __init__(self, briefing: Briefing, policy: ReturnToBase, explorer: Policy, pilot: Pilot) -> None:
         self._policy, self._explorer, self._pilot = policy, explorer, pilot
         self._briefing = briefing
-        # draws of its own, so that the explorer's are those that it makes alone
+        # a generator of its own, so that the explorer draws the same numbers as alone
         self._navigator = Navigator(replace(briefing, rng=briefing.rng.spawn(1)[0]))
         self._rng = briefing.rng.spawn(1)[0]
         self._returning = False
@@ -86,7 +83,7 @@ class ReturnPilot(Pilot):
         self._observe(view)
         self._decide(view)
         if view.base_age == 0 and self._is_late(view):
-            action = int(Action.STAY)  # what it could see now it could not report
+            action = int(Action.STAY)  # new cells could no longer be reported
         elif self._returning:
             action = self._fly_home(view)
         else:
@@ -97,7 +94,7 @@ class ReturnPilot(Pilot):
         return action
 
     def _observe(self, view: View) -> None:
-        """Note what is known, what of it has been reported, and the way home."""
+        """Update the known and reported cells, and the path home."""
         base = self._briefing.base
         assert base is not None
         self._navigator.observe(view)
@@ -147,7 +144,7 @@ class ReturnPilot(Pilot):
 
 
 def _home_of(mate: Mate) -> tuple[float, int]:
-    """Return the steps home that a teammate has told, with its number to break ties."""
+    """Return the steps home in a teammate's message, with its number to break ties."""
     return (mate.message[-ADDED] if mate.message and len(mate.message) >= ADDED else float(UNREACHABLE)), mate.agent
 
 

@@ -1,7 +1,5 @@
 """How tests are handed to pytest's processes, and the maps that many of them use."""
 
-from __future__ import annotations
-
 import logging
 from collections.abc import Iterator
 from pathlib import Path

@@ -3,8 +3,6 @@
 Not a test of the suite, as it takes minutes: python -P tests/stress_resume.py --kills 50
 """
 
-from __future__ import annotations
-
 import argparse
 import contextlib
 import os

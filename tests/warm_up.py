@@ -5,8 +5,6 @@
 The machine code is kept; when nothing has changed, this takes a few seconds.
 """
 
-from __future__ import annotations
-
 import sys
 from concurrent.futures import ProcessPoolExecutor
 

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import pickle
 
-from indoor_explorers.env.conformance.causes import global_generators, shared_things
-from indoor_explorers.env.conformance.findings import SHOWN, Differs, Violation, shown
+from indoor_explorers.env.conformance.findings import SHOWN, Differs, Violation, global_generators, shared_state, shown
 from indoor_explorers.env.conformance.flying import backwards, one_by_one
 from indoor_explorers.env.conformance.harness import FIRST, OTHER, SOLO, TEAM, Harness
 from indoor_explorers.env.conformance.traces import Trace, first_difference
@@ -62,7 +61,7 @@ def check_order(harness: Harness) -> str:
 
 
 def _perhaps(harness: Harness) -> str:
-    return shared_things(harness.policy, harness.pilot)
+    return shared_state(harness.policy, harness.pilot)
 
 
 def _must_be_same(found: Trace, expected: Trace, what: str, fix: str) -> None:

@@ -1,8 +1,7 @@
 """Fly checked episodes: every call of the policy is guarded, and every answer is checked and recorded.
 
-A wrong action is noted and replaced by a stay, a wrong message by none. So one fault fails one check, and the other
-checks still see the episode. A policy that raises an error, or changes an array that it may only read, ends the
-flight.
+A wrong action is recorded and replaced by a stay, a wrong message by None, so one fault fails one check alone. An error
+of the policy, or a change of a read-only array, ends the flight.
 """
 
 from __future__ import annotations
@@ -15,15 +14,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from indoor_explorers.env.conformance.contract import (
+from indoor_explorers.env.conformance.findings import CannotFly, calling, shown
+from indoor_explorers.env.conformance.traces import (
+    Decision,
+    Setup,
+    Trace,
     action_of,
     check_briefed,
     check_tallied,
     checked_message,
+    digest_of,
     facts_of,
 )
-from indoor_explorers.env.conformance.findings import CannotFly, calling, shown
-from indoor_explorers.env.conformance.traces import Decision, Setup, Trace, digest_of
 from indoor_explorers.env.grid.arrays import Belief, read_only
 from indoor_explorers.env.grid.cells import OCCUPIED, UNKNOWN, Action
 from indoor_explorers.env.maps.sources import MapSource
@@ -64,14 +66,14 @@ class Changed(NamedTuple):
 
 
 class Misled(NamedTuple):
-    """A UAV that is shown much of the map that it has not seen, and that flies and sends what it did before."""
+    """A UAV whose view contains unseen cells of the true map, and that repeats its earlier actions and messages."""
 
     agent: int
     before: Trace
-    """The episode as it was flown without this."""
+    """The same episode with the UAV's own views."""
 
     def view(self, view: View, truth: Belief) -> View:
-        """Return what it is shown: its view, and of the true map all but the rows that are farthest from it."""
+        """Return its view with the unseen cells of the true map, except for the rows that are farthest from it."""
         rows = np.arange(len(truth))[:, None]
         far = abs(rows - view.cell[0]) > 0.8 * abs(rows - view.cell[0]).max()
         shown = np.where((view.belief == UNKNOWN) & ~far, truth, view.belief)
@@ -103,7 +105,7 @@ class CheckedFlight:
             setups: Seeds, maps, spawns and prior maps, one for each episode.
             ask: Divides the UAVs to be asked into calls.
             changed: A UAV whose actions are replaced.
-            told: False source of maps in the briefings.
+            told: A false source of maps for the briefings.
             misled: A UAV whose views are replaced.
             unseen: Whether the traces have the cells that no UAV has seen, an array for each step.
 
@@ -169,7 +171,7 @@ class CheckedFlight:
                 yield (b, n), int(self._rngs[b].choice(np.flatnonzero(self._world.state.legal[b, n])))
 
     def _answers(self, group: list[Uav]) -> list[int]:
-        """Ask some UAVs in one call and record what they chose."""
+        """Ask some UAVs in one call and record their choices."""
         state = self._world.state
         pilots, views = [self._pilots[one] for one in group], [self._world.view(b, n) for b, n in group]
         digests = [digest_of(view) for view in views]
@@ -210,7 +212,7 @@ class CheckedFlight:
         return action
 
     def _debrief(self) -> None:
-        """Ask each pilot for its tally, and look at what became of the briefings."""
+        """Check each pilot's tally and that the briefings are unchanged."""
         for (b, _), pilot in self._pilots.items():
             check_tallied(pilot, self.traces[b])
         for trace, briefing, facts in self._briefings:

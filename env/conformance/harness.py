@@ -1,4 +1,4 @@
-"""A policy under test, and the flights that several checks look at."""
+"""A policy under test, and the flights that several checks share."""
 
 from __future__ import annotations
 
@@ -20,21 +20,21 @@ STEPS = 60
 SOLO = PRESETS["thesis-obstacles"].for_evaluation()
 TEAM = PRESETS["thesis-team-4"].for_evaluation()
 LARGE = PRESETS["rooms"].for_evaluation().with_settings({"team": 4})
-#: The starts of the episodes that most checks fly, one to look at and one to fly beside it.
+#: The starts of the episodes that most checks fly: the examined one, and one in the same batch.
 FIRST, OTHER = Setup(11), Setup(12)
 
 
 class Harness:
-    """Fly a policy for the checks, and keep what more than one of them needs."""
+    """Fly a policy for the checks, and keep the flights that several of them need."""
 
     def __init__(self, policy: Policy) -> None:
         self.policy = policy
         self.pilot: type = Pilot
-        """The class of its pilots, as soon as it has flown."""
+        """The class of its pilots; :class:`Pilot` before the first flight."""
 
     @property
     def batched(self) -> bool:
-        """Whether the policy brings an ``act`` of its own for many UAVs."""
+        """Whether the policy overrides ``act`` for many UAVs."""
         return type(self.policy).act is not Policy.act
 
     @cached_property
@@ -52,7 +52,7 @@ class Harness:
 
     @cached_property
     def alone(self) -> tuple[Trace, Trace]:
-        """The episodes of one UAV and of four, each flown for itself; their violations are left to the checks."""
+        """The episodes of one UAV and of four, each in a batch of its own; the checks raise their violations."""
         solo = CheckedFlight(self.policy, self.sized(SOLO), [FIRST])
         self.pilot = solo.pilot_kind
         (one,) = solo.fly(STEPS)

@@ -1,10 +1,11 @@
 """Checks that a UAV's choices depend only on what it may know: not on unseen cells or teammates out of contact.
 
-All but one follow one law. A pilot is a function of its briefing and of the views that it has been given. So, when
-anything else is changed, a UAV whose views have been the same up to a step must choose the same at that step.
+A pilot is a function of its briefing and of its views so far. So, when anything else is changed, a UAV whose views have
+been the same up to a step must choose the same at that step.
 
-A policy that makes the true map from what its generator tells of the seed keeps this law. It is found by its results:
-generators and maps of different seeds are paired in every way, and no pairing may be better than the others.
+A policy that derives the seed from its random generator, and the true map from that, still passes this test.
+:func:`check_seed` detects it by its results: generators and maps of different seeds are paired in every way, and the
+pairing of equal seeds must not be better than the others.
 """
 
 from __future__ import annotations
@@ -14,8 +15,7 @@ from itertools import permutations
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.conformance.causes import shared_things
-from indoor_explorers.env.conformance.findings import CannotFly, Differs
+from indoor_explorers.env.conformance.findings import CannotFly, Differs, shared_state
 from indoor_explorers.env.conformance.flying import Changed, is_privileged
 from indoor_explorers.env.conformance.harness import FIRST, SOLO, STEPS, TEAM, Harness
 from indoor_explorers.env.conformance.traces import Setup, Trace, compare
@@ -30,13 +30,13 @@ from indoor_explorers.env.simulation.world import World
 MOMENTS = (1, 5, 15, 30)
 #: Seeds whose generators and maps are paired in every way.
 SEEDS = range(11, 18)
-#: The highest p-value at which a policy is said to know the map of its seed.
+#: The highest p-value at which a policy is reported to know the map of its seed.
 SIGNIFICANT = 1e-3
 #: False sources of maps in the briefings.
 TOLD: tuple[MapSource, ...] = (OfficeMap(), ThesisMaps(obstacles=0), ThesisMaps(obstacles=60, obstacle_size=(1, 1)))
-#: How to fix a policy that depends on that.
+#: How to fix a policy that depends on the source of maps.
 DECLARE = "read briefing.generator alone and declare uses_generator = True, or do without briefing.scenario.map"
-#: The team without any radio but that of a home base, in its cell and those beside it.
+#: The team without radio contact between UAVs, and with a home base that reaches the neighbouring cells.
 SILENT = TEAM.with_settings({"radio.model": "none", "base.at": "start"})
 #: The team of which two UAVs stop.
 STOPPING = TEAM.with_settings({"failures.stops": ((0, 10), (2, 25))})
@@ -49,7 +49,7 @@ LEAVES, WANDERS = Changed(0, wanders=False), Changed(3, wanders=True)
 def check_unseen(harness: Harness) -> str:
     """Change cells that no UAV has seen: while a UAV sees the same, it must choose the same.
 
-    Its prior map stays the one of the map as it was: that is in its briefing, and all it may know of unseen cells.
+    The prior map of the unchanged map stays in the briefing.
     """
     if is_privileged(harness.policy):
         return "not checked: the policy is privileged and knows the true map"
@@ -73,16 +73,13 @@ def check_unseen(harness: Harness) -> str:
 
 
 def _informed(harness: Harness) -> list[tuple[Scenario, Trace]]:
-    """Return the episode of one UAV with a prior map, if that makes a difference."""
+    """Return the episode of one UAV with a prior map, if the prior map changes its choices."""
     (informed,) = harness.fly(INFORMED, [FIRST])
     return [] if compare(informed, harness.alone[0], [0]).differs is None else [(INFORMED, informed)]
 
 
 def changed_where_unseen(scenario: Scenario, trace: Trace, step: int) -> Setup | None:
-    """Return the trace's start with half of the cells changed that are unseen at ``step``; None when there is none.
-
-    The prior map is that of the cells as they were.
-    """
+    """Return the trace's start with half of the cells changed that are unseen at ``step``; None when there is none."""
     world = World(scenario)
     world.begin(0, trace.setup.seed, floorplan=trace.setup.floorplan, spawns=trace.setup.spawns)
     plan = world.floorplan(0)
@@ -169,8 +166,7 @@ def check_generator(harness: Harness) -> str:
 def check_unlinked(harness: Harness) -> str:
     """Replace one UAV's actions, or let UAVs stop: another one must choose the same until it sees or hears of this.
 
-    A stop shows itself in nothing but the silence of the radio, neither before it nor after; nor does a UAV that stops
-    know of it before.
+    A stop is observable only as radio silence; a UAV does not know in advance that it will stop.
     """
     (silent,) = harness.fly(SILENT, [FIRST])
     team, decisions = harness.alone[1], 0
@@ -192,6 +188,6 @@ def check_unlinked(harness: Harness) -> str:
             raise Differs(
                 f"UAV {agent} chose differently at step {step} when only {what}, of which it had seen and heard "
                 f"nothing (radio {scenario.radio.model})",
-                fix + shared_things(harness.policy, harness.pilot),
+                fix + shared_state(harness.policy, harness.pilot),
             )
     return f"3 teammates replaced and 2 stopped, {decisions} decisions: changed nothing"

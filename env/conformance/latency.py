@@ -1,4 +1,4 @@
-"""How long decisions take, for one UAV in a small room and for a team on a large map. A report, never a failure."""
+"""Decision times of one UAV in a small room and of a team on a large map: a report that never fails."""
 
 from __future__ import annotations
 
@@ -33,13 +33,13 @@ def report_large_latency(harness: Harness) -> str:
 
 
 def _timed(harness: Harness, scenario: Scenario, steps: int) -> list[float]:
-    """Time decisions as the harness does, in seconds; earlier flights have loaded and compiled everything."""
+    """Return decision times in seconds; earlier flights have loaded and compiled everything."""
     (trace,) = harness.fly(scenario, [FIRST], steps, ask=together if harness.policy.batched else one_by_one)
     return trace.seconds
 
 
 def latency_text(seconds: Sequence[float]) -> str:
-    """Say median, 99th percentile and slowest of a flight's decisions in the order made, and whether they slow down."""
+    """Describe decision times in order: median, 99th percentile, slowest, and whether they increase."""
     times = np.asarray(seconds)
     share = float(np.mean(times > LIMIT))
     figures = (("median", np.percentile(times, 50)), ("p99", np.percentile(times, 99)), ("slowest", times.max()))

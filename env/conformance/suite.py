@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable, Iterator
 
-from indoor_explorers.env.conformance.answers import check_actions, check_decisions, check_messages, check_tally
 from indoor_explorers.env.conformance.determinism import (
     check_independent,
     check_order,
@@ -22,6 +21,42 @@ from indoor_explorers.env.conformance.information_leaks import (
 )
 from indoor_explorers.env.conformance.latency import report_large_latency, report_latency
 from indoor_explorers.env.policies.policy import Policy
+from indoor_explorers.env.policies.view import MESSAGE_LIMIT
+
+
+def check_decisions(harness: Harness) -> str:
+    """Demand that the policy decides at every step, raises nothing, and leaves views and briefings alone."""
+    decisions = sum(len(trace.seconds) for trace in harness.alone)
+    _demand(harness, "decisions")
+    return f"{decisions} of one UAV and of four; nothing raised, views and briefing left alone"
+
+
+def check_actions(harness: Harness) -> str:
+    """Demand ints from 0 to 4, and count those that lead into a wall or off the map."""
+    _demand(harness, "actions")
+    into_walls = sum(trace.into_walls for trace in harness.alone)
+    return f"all are ints from 0 to 4, {into_walls} of them into a wall or off the map"
+
+
+def check_messages(harness: Harness) -> str:
+    """Demand None or a few finite numbers."""
+    _demand(harness, "messages")
+    said = [choice.message for trace in harness.alone for step in trace.steps for choice in step.values()]
+    longest = max((len(message) for message in said if message is not None), default=None)
+    return "none said" if longest is None else f"finite numbers, at most {longest} in one ({MESSAGE_LIMIT} may be)"
+
+
+def check_tally(harness: Harness) -> str:
+    """Demand a dict of finite numbers after an episode."""
+    _demand(harness, "tally")
+    return "a dict of finite numbers, or nothing to tell"
+
+
+def _demand(harness: Harness, kind: str) -> None:
+    """Raise the first violation of a kind."""
+    if (violation := harness.violation(kind)) is not None:
+        raise violation
+
 
 REPEATABLE, LARGE = "same seed, same episode", "latency, large map"
 #: The checks by name, in the order in which they run; each returns what it found or raises a :class:`Violation`.
@@ -41,7 +76,7 @@ CHECKS: dict[str, Callable[[Harness], str]] = {
     "latency": report_latency,
     LARGE: report_large_latency,
 }
-#: The checks for knowledge that a policy may not have, after those without which they tell nothing.
+#: The checks for forbidden knowledge, after the checks that they depend on.
 KNOWLEDGE = (
     *(REPEATABLE, "pilots share nothing"),
     *("no hidden knowledge", "map of the seed", "map generator", "unlinked teammates"),
@@ -49,10 +84,10 @@ KNOWLEDGE = (
 
 
 def run_checks(policy: Policy, names: Iterable[str] = CHECKS) -> Iterator[Finding]:
-    """Run every check on a policy, or those of some ``names``, also after one has failed, and yield what each found.
+    """Run the named checks on a policy, also after a failed one, and yield the finding of each.
 
-    A finding that an earlier one explains refers to it: the same error raised again, or another difference of a policy
-    that never flies the same episode twice. There is no time limit.
+    A finding that repeats an earlier error, or a difference of a policy that is not repeatable, refers to the earlier
+    finding. There is no time limit.
     """
     harness = Harness(policy)
     earlier: dict[str, Finding] = {}
@@ -83,7 +118,7 @@ def _explained(finding: Finding, earlier: dict[str, Finding]) -> Finding:
 def failed_check(policy: Policy) -> str:
     """Return the first of the checks for hidden knowledge that a policy fails, and how to fix it; empty for none.
 
-    A policy that cannot be flown is not judged.
+    The result is empty for a policy that cannot be flown.
     """
     for finding in run_checks(policy, KNOWLEDGE):
         if isinstance(finding.error, Differs):
@@ -92,7 +127,7 @@ def failed_check(policy: Policy) -> str:
 
 
 def check_policy(policy: Policy) -> dict[str, str]:
-    """Fly a policy through the conformance suite; return what each check found.
+    """Fly a policy through the conformance suite; return the findings by check.
 
     Raises:
         PolicyError: the policy breaks its contract; the message names the likely cause.

@@ -25,7 +25,7 @@ class Action(IntEnum):
     STAY = 4
 
 
-#: A sixth action where the lidar's field of view is limited: to turn by 90 degrees, clockwise, and stay where it is.
+#: The sixth action where the lidar's field of view is limited: turn clockwise by 90 degrees in the same cell.
 TURN = 5
 
 

@@ -1,16 +1,13 @@
 """Content-addressed cache of compiled functions on disk.
 
 An entry's key is a hash of the function with all that it calls (:mod:`indoor_explorers.env.grid.fingerprints`), the
-types of its arguments, the processor and the versions of Python, numba, numpy and llvmlite. So a second copy of the
-project finds what the first one compiled, and a change compiles what depends on it, and nothing else. Processes that
-need the same function at the same time compile it once: the others wait.
+types of its arguments, the processor and the versions of Python, numba, numpy and llvmlite. So copies of the project
+share entries, and a change recompiles only what depends on it. Processes that need the same function at the same time
+compile it once: the others wait.
 
-Entries lie in the user's cache folder, below ``NUMBA_CACHE_DIR`` where that is set, or in the folder for temporary
-files where the former cannot be written. Entries that no process has used for two months are removed.
-
-numba offers no public way to say where and under which key machine code is kept, so this file stands in for
-``numba.core.caching.FunctionCache`` with the five methods that dispatchers call; see
-:mod:`indoor_explorers.env.grid.numba_parts`.
+Entries are in ``NUMBA_CACHE_DIR`` if set, else in the user's cache folder, else in the folder for temporary files.
+Entries that no process has used for two months are removed. :class:`CompileCache` replaces the private
+``numba.core.caching.FunctionCache``; see :mod:`indoor_explorers.env.grid.numba_parts`.
 """
 
 from __future__ import annotations
@@ -45,7 +42,7 @@ KEPT_DAYS = 60
 PATIENCE = 120.0
 _DAY = 24 * 60 * 60
 
-#: Called with the function's name when one has to be compiled, and again with None when it is done.
+#: Called with a function's name before it is compiled, and with None afterwards.
 Listener = Callable[[str | None], None]
 listeners: list[Listener] = []
 
@@ -55,7 +52,7 @@ _caches: list[CompileCache] = []
 
 
 class CompileCache:
-    """The kept machine code of one function; what numba's dispatchers ask of a cache."""
+    """The machine code of one function on disk, with the methods that numba's dispatchers call."""
 
     def __init__(self, function: FunctionType, options: Mapping[str, Any]) -> None:
         self._function = function
@@ -66,7 +63,7 @@ class CompileCache:
 
     @property
     def label(self) -> str:
-        """Return the function's name with the beginning of its fingerprint; names of its entries begin with that."""
+        """Return the function's name and the beginning of its fingerprint, with which names of its entries begin."""
         return f"{self._function.__name__}-{fingerprint(self._function)[:8]}"
 
     @property
@@ -86,7 +83,7 @@ class CompileCache:
         """Do nothing: an entry belongs to all functions of its key."""
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """Return what was compiled for argument types before, or None; then :meth:`save_overload` is to follow."""
+        """Return the entry for argument types, or None; numba then compiles and calls :meth:`save_overload`."""
         install()
         target_context.refresh()
         file = self._file(sig, target_context.codegen())
@@ -104,7 +101,7 @@ class CompileCache:
         return found
 
     def save_overload(self, sig: Any, result: Any) -> None:
-        """Keep what was compiled; a full disk or a read-only folder loses the entry and nothing else."""
+        """Write a compiled function to disk; on a full disk or in a read-only folder only the entry is lost."""
         _tell(None)
         file = self._file(sig, result.codegen)
         if file is None:
@@ -130,8 +127,8 @@ class CompileCache:
         return folder / name[:2] / f"{self.label}-{name[2:34]}.nbc"
 
     def _wait_for_others(self, file: Path) -> None:
-        """Wait until no other process compiles this entry, and keep others from it."""
-        if file.name in self._waiting:  # this process tried before, and what it compiled has an error
+        """Wait until no other process compiles this entry, and lock it."""
+        if file.name in self._waiting:  # this process tried before, and compiling failed
             return
         lock = FileLock(file.with_suffix(".lock"), timeout=PATIENCE)
         try:
@@ -150,7 +147,7 @@ class CompileCache:
 
 @lru_cache(maxsize=1)
 def cache_folder() -> Path | None:
-    """Return the folder for machine code, made if there is none; None where nothing can be written."""
+    """Return the folder for machine code, created if necessary; None if no folder is writeable."""
     asked = os.environ.get("NUMBA_CACHE_DIR")
     wanted = Path(asked) / "indoor-explorers" if asked else user_cache_path("indoor-explorers", appauthor=False)
     shared = Path(tempfile.gettempdir()) / f"indoor-explorers-{_user()}"
@@ -162,12 +159,7 @@ def cache_folder() -> Path | None:
 
 
 def compiling_since(moment: float) -> set[str]:
-    """Return the labels of functions that processes of this user began to compile since a time and have not finished.
-
-    Args:
-        moment: Seconds of the epoch.
-
-    """
+    """Return the labels of functions that this user's processes compile now and began after ``moment`` (epoch, s)."""
     folder, found = cache_folder(), set()
     for lock in folder.glob("*/*.lock") if folder is not None else ():
         with contextlib.suppress(OSError):  # finished meanwhile
@@ -177,7 +169,7 @@ def compiling_since(moment: float) -> set[str]:
 
 
 def not_compiled() -> set[str]:
-    """Return the labels of the functions that this process has defined and that have no entry."""
+    """Return the labels of the functions of this process that have no entry."""
     folder = cache_folder()
     kept = {_label(file) for file in folder.glob("*/*.nbc")} if folder is not None else set()
     return {cache.label for cache in _caches} - kept
@@ -192,7 +184,7 @@ def _user() -> str:
 
 
 def _can_keep(folder: Path) -> bool:
-    """Tell whether a folder is there, can be written and belongs to this user: entries are trusted when read."""
+    """Tell whether a folder is writeable and belongs to this user, as entries are unpickled."""
     try:
         folder.mkdir(parents=True, exist_ok=True, mode=0o700)
         with tempfile.TemporaryFile(dir=folder):
@@ -217,7 +209,7 @@ def _remove_old(folder: Path) -> None:
 
 
 def _read(file: Path, target_context: Any) -> Any:
-    """Return an entry, None where there is none that can be read: half a file, or names that are not there any more."""
+    """Return an entry; None if it is missing, incomplete or refers to names that no longer exist."""
     try:
         data = file.read_bytes()
     except OSError:
@@ -234,7 +226,7 @@ def _read(file: Path, target_context: Any) -> Any:
 
 
 def write_entry(file: Path, data: bytes) -> None:
-    """Write an entry whole: a reader never finds half of it."""
+    """Write an entry atomically."""
     file.parent.mkdir(exist_ok=True)
     handle, partial = tempfile.mkstemp(dir=file.parent, suffix=".partial")
     try:

@@ -1,13 +1,10 @@
-"""How this project compiles: numba decorators with one set of options each.
+"""The project's numba decorators, each with one set of options.
 
-``kernel`` compiles once and keeps the machine code (:mod:`indoor_explorers.env.grid.compile_cache`). ``leaf`` does the
-same for functions that allocate nothing: without numba's reference counts of arrays, which cost more than most of
-these functions do, and which the arrays' owner, who calls, makes unnecessary. A leaf may call leaves only. ``inner``
-is a leaf that compiled code alone may call, as it has no entry from Python, which would take longer to compile than
-the function itself; a call from Python would crash.
-
-Where numba has not the private parts that this builds on (:mod:`indoor_explorers.env.grid.numba_parts`), all of them
-are ``njit(cache=True)``.
+``kernel`` compiles once and keeps the machine code (:mod:`indoor_explorers.env.grid.compile_cache`). ``leaf`` is for
+functions that allocate nothing: it omits numba's reference counts of arrays, which cost more than most of these
+functions. A leaf may call leaves only. ``inner`` is a leaf without an entry from Python, which is quicker to compile; a
+call from Python would crash. If a private part of numba is missing (:mod:`indoor_explorers.env.grid.numba_parts`), all
+of them are ``njit(cache=True)``.
 """
 
 from __future__ import annotations
@@ -25,11 +22,11 @@ from indoor_explorers.env.grid.compile_cache import CompileCache
 from indoor_explorers.env.grid.numba_parts import MISSING, Dispatcher
 from indoor_explorers.env.grid.numba_tuning import widen_literals
 
-#: Set in the environment, this keeps a process from saying so.
+#: The environment variable that suppresses the notices of compilation.
 QUIET = "INDOOR_EXPLORERS_QUIET"
 NOTICE = "indoor-explorers: compiling for this machine, once; this may take half a minute\n"
 
-#: What is said where numba has changed.
+#: The notice if a private part of numba has changed.
 SLOWER = (
     "indoor-explorers: numba {} has changed ({}): compiling takes longer, and compiled code may be slower; results are "
     "the same. After a change of a compiled function remove __pycache__, as numba misses changes of what others call\n"
@@ -44,7 +41,7 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 def kernel(*, entry: bool = True, **options: Any) -> Callable[[Function], Function]:
     """Return a decorator that compiles without the interpreter's lock and keeps the machine code.
 
-    Without ``entry`` the function can be called by compiled code alone, which compiles in a fraction of the time.
+    Without ``entry`` only compiled code can call the function, and it compiles in a fraction of the time.
     """
 
     def plain(function: Function) -> Function:
@@ -68,9 +65,9 @@ def leaf(*, entry: bool = True) -> Callable[[Function], Function]:
 
 
 def inner() -> Callable[[Function], Function]:
-    """Return a decorator for functions that allocate nothing and become part of the compiled functions that call them.
+    """Return a decorator for functions that allocate nothing and are inlined into their compiled callers.
 
-    Handing over all the arrays of a state, three hundred numbers, costs more than most of them do. Long functions with
+    Passing all arrays of a state, three hundred numbers, costs more than most of these functions. Long functions with
     few arguments are better called: ``leaf(entry=False)``.
     """
     return kernel(entry=False, error_model="numpy", _nrt=False, forceinline=True)
@@ -84,7 +81,7 @@ def _warn() -> None:
 
 @lru_cache(maxsize=1)
 def _announce() -> None:
-    """Say, once, why nothing seems to happen; worker processes leave it to the one that started them."""
+    """Announce once that functions are being compiled."""
     if not os.environ.get(QUIET):
         sys.stderr.write(NOTICE)
 

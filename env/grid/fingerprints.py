@@ -1,7 +1,7 @@
-"""A hash of all that a compiled function depends on, transitively: its code, and whatever that names.
+"""A hash of everything that a compiled function depends on, transitively: its code and the names in it.
 
-Two functions of equal fingerprints compile to the same machine code. File names, line numbers, docstrings and
-comments are left out, so a change elsewhere, or a second copy of the sources, changes no fingerprint.
+Two functions of equal fingerprints compile to the same machine code. File names, line numbers, docstrings and comments
+do not count.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from indoor_explorers.env.grid.numba_parts import Dispatcher
 #: numba's types, half of whose attributes are not declared.
 types: Any = numba.types
 
-#: Packages whose versions are part of the cache's key; their contents need no look.
+#: Packages whose versions are part of the cache's key; their contents are not hashed.
 _VERSIONED = ("numpy", "numba", "math", "builtins", "llvmlite")
 
 _known: dict[FunctionType, str] = {}
@@ -42,7 +42,7 @@ def fingerprint(function: FunctionType) -> str:
 
 
 def type_key(kind: Any) -> str:
-    """Return a text that tells a numba type from all others, fields of named tuples and structs included."""
+    """Return a text that identifies a numba type, including the fields of named tuples and structs."""
     if isinstance(kind, types.BaseNamedTuple):
         made_of = kind.instance_class
         return f"{made_of.__module__}.{made_of.__qualname__}({_pairs(zip(kind.fields, kind, strict=True))})"
@@ -79,13 +79,13 @@ def _facts_of_code(code: CodeType, docstring: str | None) -> Iterator[str]:
 
 
 def _names(code: CodeType) -> set[str]:
-    """Return the names that a function and those inside it may look up among their globals."""
+    """Return the names that a function and its inner functions may look up among their globals."""
     inside = [_names(constant) for constant in code.co_consts if isinstance(constant, CodeType)]
     return set(code.co_names).union(code.co_freevars, *inside)
 
 
 def _describe(value: Any) -> str:
-    """Return a text that is equal where a name stands for the same thing."""
+    """Return a text that is equal for equal values of a global name."""
     if isinstance(value, Dispatcher):
         options = sorted((key, repr(option)) for key, option in value.targetoptions.items())
         return f"compiled {options} {fingerprint(value.py_func)}"

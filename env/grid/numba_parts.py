@@ -1,9 +1,9 @@
-"""The private parts of numba that this project builds on, imported here alone, and whether they are what it expects.
+"""The private parts of numba that this project uses, imported here alone, and a check that they are as expected.
 
-numba offers no public way to say under which key machine code is kept, or what is optimised when. So
-:mod:`~indoor_explorers.env.grid.compile_cache` and :mod:`~indoor_explorers.env.grid.numba_tuning` stand in for parts of
-it. Where a version of numba has renamed one of these, :data:`MISSING` says which, and everything is compiled by
-``njit(cache=True)`` alone: the same results, later.
+numba offers no public way to choose the key under which machine code is kept, or when it is optimised. So
+:mod:`~indoor_explorers.env.grid.compile_cache` and :mod:`~indoor_explorers.env.grid.numba_tuning` replace parts of it.
+If a version of numba has renamed one, :data:`MISSING` names it, and everything is compiled by ``njit(cache=True)``
+alone: slower to compile, with the same results.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from __future__ import annotations
 import inspect
 from typing import Any
 
-#: What is built on, of numba's class for the code of one function.
+#: The attributes used of numba's class for the code of one function.
 _LIBRARY = (
     "_optimize_functions",
     "_get_module_for_linking",
@@ -23,7 +23,7 @@ _LIBRARY = (
     "serialize_using_object_code",
     "has_dynamic_globals",
 )
-#: What dispatchers ask of a cache, with the names of the arguments.
+#: The methods of a cache that dispatchers call, with the names of the arguments.
 _CACHE = {
     "cache_path": None,
     "enable": ["self"],
@@ -36,13 +36,15 @@ _CACHE = {
 _OPTIONS = ("_nrt", "no_cfunc_wrapper", "no_cpython_wrapper", "forceinline")
 
 MISSING = ""
-"""Which part of numba is not what is expected; empty if all are."""
+"""The first private part of numba that is not as expected; empty if all are."""
 CodeLibrary: Any = object
 Codegen: Any = None
 CompileResult: Any = None
 Dispatcher: Any = None
 cpu_target: Any = None
 dumps: Any = None
+events: Any = None
+"""numba's module of events, such as the beginning of a compilation; None where it is not what is expected."""
 
 
 def _expect(owner: Any, *names: str) -> None:
@@ -72,3 +74,11 @@ try:
     _expect_cache(FunctionCache)
 except (ImportError, AttributeError) as error:
     MISSING = str(error)
+
+try:
+    from numba.core import event
+
+    _expect(event, "register", "Listener", "TimingListener")
+    events = event
+except (ImportError, AttributeError):
+    pass

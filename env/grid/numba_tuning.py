@@ -1,14 +1,9 @@
-"""Changes to numba that halve the time it takes to compile this project.
+"""Two changes to numba that halve the time to compile this project; the compiled code stays as fast.
 
-numba has no public way to do these two things. :func:`install` does the first once in a process, before the first
-function is compiled. Compiled code stays as fast.
-
-- Functions that only compiled code calls are optimised where they are called from, not once more by themselves. numba
-  optimises each function together with copies of all that it calls, and then emits machine code for it: a function
-  below five others is optimised and emitted six times, though only the outermost of them is ever called from Python.
-  Here a function without an entry from Python is cleaned up and handed to its callers (:class:`LazyCodeLibrary`).
-- Literals are passed as integers (:func:`widen_literals`). numba compiles a function anew for each constant that it is
-  called with.
+- Functions without an entry from Python are optimised only as part of their callers (:class:`LazyCodeLibrary`, set by
+  :func:`install` before the first function is compiled). numba itself optimises and emits each function together with
+  copies of all its callees: a function below five others six times.
+- Literals are passed as integers (:func:`widen_literals`). numba itself compiles a function anew for each constant.
 """
 
 from __future__ import annotations
@@ -21,7 +16,7 @@ from numba import types
 
 from indoor_explorers.env.grid.numba_parts import Codegen, CodeLibrary, cpu_target
 
-#: Beginnings of the names of functions that C or Python call.
+#: Prefixes of the names of functions that C or Python call.
 _ENTRIES = ("_ZN7cpython", "cfunc.")
 #: Entries of numba's own helpers, which only compiled code calls.
 _HELPERS = "_ZN7cpython5numba"
@@ -31,12 +26,12 @@ _set_defined: Any = getattr(Codegen, "set_env", None)
 
 
 class LazyCodeLibrary(CodeLibrary):  # type: ignore[misc]  # a base class without types
-    """The code of one function, with copies of what it calls; machine code only where there is an entry."""
+    """The code of one function with copies of its callees; machine code only if it has an entry."""
 
     _emitted = False
 
     def finalize(self) -> None:
-        """Join the code with that of the functions it calls, and emit it where it has an entry."""
+        """Link the code with that of its callees, and emit machine code if it has an entry."""
         if _has_entry(self._final_module):
             self._emitted = True
             super().finalize()
@@ -51,7 +46,7 @@ class LazyCodeLibrary(CodeLibrary):  # type: ignore[misc]  # a base class withou
         self._finalized = True
 
     def _optimize_functions(self, module: Any) -> None:
-        """Clean a function up before it is joined with others; what costs more time comes after that."""
+        """Run only cheap optimisations before the function is linked with others."""
         module.data_layout = self._codegen._data_layout
         for function in module.functions:
             if not function.is_declaration:
@@ -59,12 +54,12 @@ class LazyCodeLibrary(CodeLibrary):  # type: ignore[misc]  # a base class withou
                 builder.getFunctionPassManager().run(function, builder)
 
     def get_pointer_to_function(self, name: str) -> int:
-        """Return the address of an entry, 0 where there is none."""
+        """Return the address of an entry, 0 for none."""
         self._ensure_finalized()
         return int(super().get_pointer_to_function(name)) if self._emitted else 0
 
     def serialize_using_object_code(self) -> Any:
-        """Return what a cache keeps: machine code with the code for callers, or the latter alone."""
+        """Return machine code and bitcode for a cache, or bitcode alone if there is no entry."""
         if self._emitted:
             return super().serialize_using_object_code()
         return self.serialize_using_bitcode()
@@ -88,13 +83,13 @@ class LazyCodeLibrary(CodeLibrary):  # type: ignore[misc]  # a base class withou
                 _set_environment(self._codegen, variable.name, _environments[variable.name])
 
 
-#: What each function's constants and error messages are read from, by the name of the variable that points to it. The
-#: variable of a function without an entry is there only in the machine code of its callers.
+#: Each function's environment, which holds its constants and error messages, by the name of the variable that points to
+#: it. The variable of a function without an entry exists only in the machine code of its callers.
 _environments: dict[str, Any] = {}
 
 
 def _has_entry(module: Any) -> bool:
-    """Tell whether something outside of compiled code calls a function of a module; numba's runtime counts as such."""
+    """Tell whether a module has a function that Python, C or numba's runtime calls."""
     names = [function.name for function in module.functions if not function.is_declaration]
     if not any(name.startswith("_ZN") for name in names):
         return True
@@ -112,7 +107,7 @@ def _remember_environment(owner: Any, name: str, environment: Any) -> None:
 
 
 def widen_literals(dispatcher: Any) -> None:
-    """Have a function compiled once for all integers and truth values instead of anew for each constant."""
+    """Compile a function once for all integers and booleans instead of anew for each constant."""
     chosen = dispatcher.get_call_template
 
     def get_call_template(arguments: Any, keywords: Any) -> Any:
@@ -127,7 +122,7 @@ def _widened(kind: Any) -> Any:
 
 @lru_cache(maxsize=1)
 def install() -> None:
-    """Let numba compile this way from now on in this process."""
+    """Set :class:`LazyCodeLibrary` for all later compilations of this process."""
     owner = type(cpu_target.target_context.codegen())
     owner._library_class = LazyCodeLibrary
     owner.set_env = _remember_environment

@@ -1,9 +1,8 @@
-"""Separate random streams, all from one episode seed.
+"""Separate random streams for each purpose, all from one episode seed.
 
-A policy that draws more numbers can never change the map, the spawns or the order of moves: every
-purpose has a stream of its own. Streams used in Python are :class:`numpy.random.Generator`; the order of
-moves and whatever else is drawn inside compiled code come from a counter-based generator, so that they depend on
-(seed, step) alone and not on what came before.
+A policy that draws more numbers can never change the map, the spawns or the order of moves. Streams used in Python are
+:class:`numpy.random.Generator`; compiled code draws from a counter-based generator, so that its numbers depend on
+(seed, step) alone and not on earlier draws.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 
 
 class Stream(IntEnum):
-    """What a random stream is for; the value is part of its seed and never changes."""
+    """The purpose of a random stream; the value is part of its seed and never changes."""
 
     MAP = 0
     SPAWN = 1
@@ -36,10 +35,10 @@ class Stream(IntEnum):
 
 
 def generator(seed: int, stream: Stream, index: int = 0) -> np.random.Generator:
-    """Return the generator of one stream of an episode; ``index`` tells pilots (agents) apart.
+    """Return the generator of one stream of an episode; ``index`` distinguishes pilots (agents).
 
-    Its ``seed_seq``, which ``spawn`` and ``pickle`` read, is made from random words of the stream and holds no seed: a
-    pilot could draw the true map from that.
+    Its ``seed_seq``, which ``spawn`` and ``pickle`` read, is made from random words of the stream and does not contain
+    the seed, with which a pilot could draw the true map.
     """
     sequence = np.random.SeedSequence(seed, spawn_key=(int(stream), index))
     bits = np.random.PCG64(np.random.SeedSequence(sequence.generate_state(4).tolist()))

@@ -28,10 +28,10 @@ SEED_LIMIT = 2**31
 
 
 def find_scenario(scenario: Scenario | str, settings: Mapping[str, Any] | None = None) -> Scenario:
-    """Return a scenario, the preset of that name or that of a .toml file, with dotted ``settings`` replaced.
+    """Return a scenario, preset or .toml file with dotted ``settings`` replaced.
 
     Raises:
-        InputError: there is no such scenario or setting, or a value cannot be used.
+        InputError: there is no such scenario or setting, or a value is invalid.
 
     """
     if isinstance(scenario, str):
@@ -58,12 +58,7 @@ def new_world(scenario: Scenario, batch: int, index: int, threads: int = 1) -> W
 
 
 def new_lone_world(scenario: Scenario, batch: int, index: int, threads: int = 1) -> World:
-    """Return a world like :func:`new_world` for a scenario with one UAV.
-
-    Raises:
-        InputError: the scenario has a larger team.
-
-    """
+    """Return a world like :func:`new_world`; raise :class:`InputError` for a scenario with several UAVs."""
     if scenario.team > 1:
         raise InputError(
             f"expected a scenario with one UAV, got {scenario.name!r} with a team of {scenario.team}; "
@@ -73,12 +68,7 @@ def new_lone_world(scenario: Scenario, batch: int, index: int, threads: int = 1)
 
 
 def one_action(action: Any, count: int) -> int:
-    """Return the action that an integer, or an array of one without axes, means.
-
-    Raises:
-        InputError: it is none of ``count`` actions.
-
-    """
+    """Return the action of an integer or a zero-dimensional array; raise :class:`InputError` for no action."""
     if isinstance(action, (int, np.integer)):
         return checked_action(action, count)
     array = integers(action, count)
@@ -91,7 +81,7 @@ def draw_seed(rng: np.random.Generator) -> int:
 
 
 def begin_encoder(encoder: Encoder, world: World, episode: int, agent: int) -> None:
-    """Prepare an encoder for an episode that has begun; it is briefed anew where briefings differ by episode."""
+    """Prepare an encoder for an episode that has begun; with a home base or a prior map, it gets a new briefing."""
     if world.scenario.base.exists or world.scenario.prior.kind != "none":
         encoder.begin(world.briefing(episode, agent))
     else:
@@ -99,12 +89,12 @@ def begin_encoder(encoder: Encoder, world: World, episode: int, agent: int) -> N
 
 
 def is_terminated(end: int) -> bool:
-    """Tell whether an :class:`End` is the task's own (goal, collision, out of bounds, stuck, stopped)."""
+    """Tell whether an :class:`End` is a termination: goal, collision, out of bounds, stuck or stopped."""
     return end not in (End.FLYING, End.BUDGET)
 
 
 def legal_actions(world: World) -> Mask:
-    """Return which actions end neither in a wall nor off the map, (B, N, A); to turn always does, where it is one."""
+    """Return (B, N, A) actions that end neither in a wall nor off the map; a turn is always legal."""
     legal = world.state.legal
     return legal if not world.scenario.turns else np.concatenate((legal, np.ones_like(legal[..., :1])), axis=-1)
 
@@ -112,10 +102,10 @@ def legal_actions(world: World) -> Mask:
 def info_of(world: World, episode: int, agent: int) -> dict[str, Any]:
     """Return the info dict of an observation.
 
-    ``action_mask`` (A,) int8: 1 for actions that end neither in a wall nor off the map; ``coverage``: the
-    share of the denominator that the UAV knows; ``step``: steps flown; ``end``: an :class:`End`. With a home base also
-    ``base_age``: steps since the UAV's last contact with it, -1 for never; and ``base_coverage``: the share of the
-    denominator that the base knows, which a UAV out of contact cannot know: for rewards and logs, not to choose by.
+    ``action_mask`` (A,) int8: 1 for actions that end neither in a wall nor off the map; ``coverage``: the share of the
+    denominator that the UAV knows; ``step``: steps flown; ``end``: an :class:`End`. With a home base also ``base_age``:
+    steps since the UAV's last contact with it, -1 for never; and ``base_coverage``: the share of the denominator that
+    the base knows, which a UAV out of contact cannot observe: for rewards and logs only.
     """
     state = world.state
     info = {

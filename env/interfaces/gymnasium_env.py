@@ -32,9 +32,9 @@ from indoor_explorers.env.simulation.state import End
 
 
 class IndoorExplorersEnv(gymnasium.Env[Arrays, np.int64]):
-    """Explore with one UAV: five actions (down, left, up, right, stay), observations from its view alone.
+    """Explore with one UAV: actions down, left, up, right and stay, observations from its view alone.
 
-    Where the lidar's field of view is limited there is a sixth action, to turn.
+    With a limited lidar field of view, a sixth action turns the UAV.
 
     ``reset(seed=s)`` starts episode seed ``first_seed + s`` exactly as ``World.reset([first_seed + s])`` does; a reset
     without a seed draws the next episode's seed from ``np_random`` and adds ``first_seed``, too. Goal, collision, out
@@ -95,10 +95,13 @@ class IndoorExplorersEnv(gymnasium.Env[Arrays, np.int64]):
         return self._observe(), info_of(self.world, 0, 0)
 
     def step(self, action: np.int64 | int) -> tuple[Arrays, float, bool, bool, dict[str, Any]]:
-        """Fly one step; after the end of the episode nothing changes, and rewards are 0."""
+        """Fly one step; return observation, reward, terminated, truncated and info.
+
+        After the end of the episode nothing changes, and rewards are 0.
+        """
         if not self._begun:
             raise ResetNeeded("expected an episode to step in, got a new environment; call reset first")
-        self.world.step([[action]])  # type: ignore[arg-type]  # one of numpy's is a number, too
+        self.world.step([[action]])  # type: ignore[arg-type]  # numpy's integers are numbers, too
         self._renderer.stepped()
         info = info_of(self.world, 0, 0)
         return (

@@ -23,12 +23,9 @@ def parallel_env(
 ) -> TeamEnv:
     """Return a PettingZoo ``ParallelEnv`` of a scenario's team, agents ``uav_0``, ``uav_1`` and so on.
 
-    Five actions (down, left, up, right, stay), and a sixth, to turn, where the lidar's field of view is limited. Each
-    agent's observation comes from its own view alone. An agent that ends early leaves ``agents``: goal, collision, out
-    of bounds and stuck terminate, the step budget truncates. Infos hold ``action_mask`` (A,) int8, 1 for the actions
-    that end neither in a wall nor off the map, ``coverage``, ``step`` and ``end``, and with a home base ``base_age``
-    and ``base_coverage``, see :func:`indoor_explorers.env.interfaces.common.info_of`.
-    ``state()`` is the global state with the true map, for learners with a central critic.
+    Actions, ends and infos are those of :class:`~indoor_explorers.env.interfaces.gymnasium_env.IndoorExplorersEnv`;
+    each agent's observation comes from its own view alone, and an agent that ends early leaves ``agents``. ``state()``
+    is the global state with the true map, for learners with a central critic.
 
     Args:
         scenario: A scenario, the name of a preset or a .toml file.

@@ -35,7 +35,7 @@ from indoor_explorers.env.simulation.state import End
 
 
 class TeamEnv(ParallelEnv):  # type: ignore[misc]  # PettingZoo carries no types
-    """Explore with a team; made by :func:`indoor_explorers.env.parallel_env`, which documents the arguments."""
+    """Explore with a team; :func:`indoor_explorers.env.parallel_env` documents the arguments."""
 
     metadata: dict[str, Any] = {  # noqa: RUF012 (declared so by the base class)
         "name": "indoor_explorers_v0",
@@ -97,7 +97,10 @@ class TeamEnv(ParallelEnv):  # type: ignore[misc]  # PettingZoo carries no types
     def step(
         self, actions: Mapping[str, int]
     ) -> tuple[dict[str, Arrays], dict[str, float], dict[str, bool], dict[str, bool], dict[str, dict[str, Any]]]:
-        """Fly one step; ``actions`` has one action for each of ``agents``. Those that end leave ``agents``."""
+        """Fly one step with an action for each of ``agents``; agents that end leave ``agents``.
+
+        Returns observations, rewards, terminated, truncated and infos by agent.
+        """
         if not self._begun:
             raise ResetNeeded("expected an episode to step in, got a new environment; call reset first")
         if not isinstance(actions, Mapping) or actions.keys() != set(self.agents):
@@ -122,10 +125,10 @@ class TeamEnv(ParallelEnv):  # type: ignore[misc]  # PettingZoo carries no types
         return result
 
     def state(self) -> NDArray[np.uint8]:
-        """Return the global state for a central critic or mixer, which no UAV may see: (2 + 2 N, H, W) of 0 and 1.
+        """Return the global state for a central critic or mixer, hidden from UAVs: (2 + 2 N, H, W) uint8 of 0 and 1.
 
         The planes are the free cells of the true map, the cells that the team knows, the cells that each of the N UAVs
-        knows, and the cell of each UAV that still flies.
+        knows, and the cell of each flying UAV.
         """
         if not self._begun:
             raise ResetNeeded("expected an episode with a state, got a new environment; call reset first")
@@ -156,10 +159,10 @@ class TeamEnv(ParallelEnv):  # type: ignore[misc]  # PettingZoo carries no types
 
 
 class CheckedActions(BaseWrapper):  # type: ignore[misc]  # PettingZoo carries no types
-    """Refuse what is no action at the turn of the agent that gave it, where PettingZoo's own wrapper asserts."""
+    """Raise :class:`InputError` for an invalid action, where PettingZoo's own wrapper asserts."""
 
     def step(self, action: Any) -> None:
-        """Take an agent's action; None of one that has ended."""
+        """Take an agent's action; None for an agent that has ended."""
         agent = self.agent_selection
         if not (self.terminations[agent] or self.truncations[agent]):
             action = one_action(action, self.action_space(agent).n)

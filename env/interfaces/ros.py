@@ -1,8 +1,8 @@
 """For robots that run ROS 2: occupancy grids and poses become views, actions become goals.
 
-Nothing here imports ROS: a message is anything with the fields of ``nav_msgs/OccupancyGrid`` or
-``geometry_msgs/PoseStamped``, such as those of rclpy or of a bag. Maps of ROS begin at the lower left, x runs along the
-columns and y against the rows, in metres; maps of this package begin at the upper left.
+This module does not import ROS: a message is any object with the fields of ``nav_msgs/OccupancyGrid`` or
+``geometry_msgs/PoseStamped``. ROS maps begin at the lower left, x runs along the columns and y against the rows, in
+metres; maps of this package begin at the upper left.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ from indoor_explorers.env.policies.view import Mate, Message, View, message_numb
 OCCUPANCY = np.array([-1, 0, 100], np.int8)
 #: Occupancies in percent: up to the first a cell is free, from the second on occupied, as Nav2's map server has it.
 FREE_UP_TO, OCCUPIED_FROM = 25, 65
-#: Share of a cell by which a grid may be beside the cells of its frame.
+#: Tolerance, as a share of a cell, of the alignment of a grid with the cells of its frame.
 NEARLY = 0.02
 
 
 class Goal(NamedTuple):
-    """Where an action leads: the goal pose of a robot in the frame of its map."""
+    """The goal pose of a robot in the frame of its map."""
 
     x: float
     """Metres."""
@@ -45,7 +45,7 @@ class Goal(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class GridFrame:
-    """Where the cells of an (H, W) map lie in the ROS frame ``map``."""
+    """The position of the cells of an (H, W) map in the ROS frame ``map``."""
 
     shape: tuple[int, int]
     """(H, W) in cells."""
@@ -65,12 +65,7 @@ class GridFrame:
         return x + (col + 0.5) * self.resolution, y + (self.shape[0] - row - 0.5) * self.resolution
 
     def cell(self, x: float, y: float) -> Cell:
-        """Return the cell (row, column) that holds a point in metres.
-
-        Raises:
-            InputError: it is off the map.
-
-        """
+        """Return the cell (row, column) of a point in metres; raise :class:`InputError` if it is off the map."""
         col = math.floor((x - self.origin[0]) / self.resolution)
         row = self.shape[0] - 1 - math.floor((y - self.origin[1]) / self.resolution)
         if not (0 <= row < self.shape[0] and 0 <= col < self.shape[1]):
@@ -84,8 +79,7 @@ class GridFrame:
     def belief(self, grid: Any) -> Belief:
         """Return the (H, W) belief of an OccupancyGrid, or of an (H, W) int8 array in its row order.
 
-        A grid may be smaller than the frame, and grow from one message to the next: cells that it does not have are
-        unknown.
+        A grid may be smaller than the frame; the other cells are unknown.
 
         Raises:
             InputError: it has another resolution, is turned, or has known cells outside of the frame.
@@ -104,7 +98,7 @@ class GridFrame:
         return belief
 
     def _values(self, grid: Any) -> tuple[NDArray[np.int8], tuple[int, int]]:
-        """Return the occupancies (h, w) of a grid, upper row first, and where its upper left cell lies in the frame."""
+        """Return the occupancies (h, w) of a grid, upper row first, and its upper left cell in the frame."""
         if isinstance(grid, np.ndarray):
             if grid.shape != self.shape:
                 raise InputError(f"expected an array of shape {self.shape}, got {grid.shape}")
@@ -128,7 +122,7 @@ class GridFrame:
 
 
 def legal_moves(belief: Belief, cell: Cell) -> Mask:
-    """Return which of the five actions (5,) end in a cell that is known to be free; staying always does."""
+    """Return (5,) bool: actions that end in a known free cell; staying is always legal."""
     legal = np.zeros(len(MOVES), np.bool_)
     for action, (row, col) in enumerate((MOVES + np.array(cell)).tolist()):
         inside = 0 <= row < belief.shape[0] and 0 <= col < belief.shape[1]
@@ -138,14 +132,14 @@ def legal_moves(belief: Belief, cell: Cell) -> Mask:
 
 
 class Robot:
-    """One robot of a team, between its topics and its pilot.
+    """Convert between the topics of one robot of a team and its pilot.
 
-    Once a step: :meth:`hear` for each teammate in contact, then :meth:`view`, the pilot's decision, and :meth:`goal`.
-    The next step begins when the goal is reached, or given up: the robot is where its next pose says.
+    In each step call :meth:`hear` for each teammate in contact, :meth:`view`, the pilot's ``act``, and :meth:`goal`.
+    The next step begins when the goal is reached or given up.
     """
 
     def __init__(self, frame: GridFrame, *, budget: int) -> None:
-        """Take the frame of the map, and the steps of the whole episode."""
+        """Start an episode of ``budget`` steps on the map of a frame."""
         self.frame, self.budget = frame, budget
         self._step, self._yaw = 0, 0.0
         self._cell: Cell | None = None
@@ -153,22 +147,22 @@ class Robot:
         self._heard: dict[int, tuple[Cell, int, Message]] = {}
 
     def hear(self, agent: int, pose: Any, message: Message = None) -> None:
-        """Note a teammate's pose, see :meth:`view`, and what its pilot last said, before the view of this step."""
+        """Store a teammate's pose, see :meth:`view`, and its last message, before the view of this step."""
         self._heard[agent] = self.frame.cell(*_point(pose)), self._step, message_numbers(message)
 
     def view(self, grid: Any, pose: Any) -> View:
         """Return the view of this step.
 
         Args:
-            grid: an OccupancyGrid, or an (H, W) int8 array in its row order: what this robot knows of the map.
-            pose: a PoseStamped, a Pose, or (x, y) in metres: where it is.
+            grid: The robot's own map, an OccupancyGrid or an (H, W) int8 array in its row order.
+            pose: The robot's pose, a PoseStamped, a Pose, or (x, y) in metres.
 
         Raises:
             InputError: the grid or the pose does not fit the frame.
 
         """
         belief, self._cell = self.frame.belief(grid), self.frame.cell(*_point(pose))
-        belief[self._cell] = FREE  # it is there, whatever its map says
+        belief[self._cell] = FREE  # the robot occupies it
         self._visited[self._cell] = True
         mates = tuple(
             Mate(agent, cell, self._step - step, message)
@@ -182,10 +176,10 @@ class Robot:
         )
 
     def goal(self, action: int) -> Goal:
-        """Return where an action leads from the cell of the last view: the centre of a cell.
+        """Return the centre of the cell that an action leads to from the cell of the last view.
 
         Raises:
-            InputError: it leads off the map, or there was no view yet.
+            InputError: the action leads off the map, or there was no view yet.
 
         """
         if self._cell is None:

@@ -37,7 +37,7 @@ class StableBaselinesVecEnv(VecEnv):
         super().__init__(num_envs, self.envs.single_observation_space, self.envs.single_action_space)
 
     def reset(self) -> Arrays:
-        """Start all episodes, with the seeds that :meth:`seed` has set."""
+        """Start all episodes, with the seeds of :meth:`seed`; return observations (B, ...)."""
         observations, infos = self.envs.reset(seed=self._seeds)
         self.reset_infos = _rows(infos, self.num_envs)
         self._reset_seeds()
@@ -49,7 +49,10 @@ class StableBaselinesVecEnv(VecEnv):
         self._actions = actions
 
     def step_wait(self) -> tuple[Arrays, NDArray[np.float32], NDArray[np.bool_], list[dict[str, Any]]]:
-        """Fly the step; where an episode ended, the observation is the first of its next one."""
+        """Fly the step; return observations (B, ...), rewards and ends (B,), and infos.
+
+        Where an episode ended, the observation is the first of its next one.
+        """
         observations, rewards, terminated, truncated, infos = self.envs.step(self._actions)
         over = terminated | truncated
         rows = _rows(infos, self.num_envs)
@@ -67,7 +70,7 @@ class StableBaselinesVecEnv(VecEnv):
         self.envs.close()
 
     def get_images(self) -> Sequence[NDArray[np.uint8] | None]:
-        """Return a picture of each episode."""
+        """Return a picture (h, w, 3) uint8 of each episode."""
         return self.envs.render() or [None] * self.num_envs
 
     def get_attr(self, attr_name: str, indices: Indices = None) -> list[Any]:
@@ -83,14 +86,14 @@ class StableBaselinesVecEnv(VecEnv):
     def env_method(
         self, method_name: str, *method_args: Any, indices: Indices = None, **method_kwargs: Any
     ) -> list[Any]:
-        """Return the entries of what a method of the vectorised environment returns, such as ``action_masks``."""
+        """Return the results of ``action_masks``, one for each environment; refuse other methods."""
         if method_name != "action_masks":
             raise InputError(f"expected method action_masks, got {method_name!r}; these environments share one world")
         masks = self.envs.action_masks()
         return [masks[b] for b in self._numbers(indices)]
 
     def env_is_wrapped(self, wrapper_class: type[Any], indices: Indices = None) -> list[bool]:
-        """Tell that no environment is wrapped; wrap this one, for instance in SB3's ``VecMonitor``."""
+        """Return False for each environment; wrap this one instead, for instance in SB3's ``VecMonitor``."""
         return [False] * len(self._numbers(indices))
 
     def _numbers(self, indices: Indices) -> list[int]:

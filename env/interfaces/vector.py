@@ -28,7 +28,7 @@ from indoor_explorers.env.interfaces.common import (
 )
 from indoor_explorers.env.observations import Observation, Views
 from indoor_explorers.env.observations.base import Arrays, copy_of, row_of
-from indoor_explorers.env.observations.batched import BatchedEncoder
+from indoor_explorers.env.observations.factories import BatchedEncoder
 from indoor_explorers.env.observations.incremental import LivePlanes
 from indoor_explorers.env.observations.planes import ChannelsEncoder
 from indoor_explorers.env.policies.policy import integers
@@ -45,15 +45,14 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
 
     Each episode equals one of :class:`~indoor_explorers.env.interfaces.gymnasium_env.IndoorExplorersEnv`.
 
-    Autoreset is one of Gymnasium's modes. ``NEXT_STEP``: the step after an episode's last one ignores its action,
-    has reward 0 and returns the first observation of its next episode. ``SAME_STEP``: the last step returns it,
-    and infos hold the last observation and info as ``final_obs`` and ``final_info``. ``DISABLED``: the caller
+    Autoreset is one of Gymnasium's modes. ``NEXT_STEP``: the step after an episode's last one ignores its action, has
+    reward 0 and returns the first observation of its next episode. ``SAME_STEP``: the last step returns that
+    observation, and infos hold the last one and its info as ``final_obs`` and ``final_info``. ``DISABLED``: the caller
     resets the episodes that ended, with ``options["reset_mask"]``.
 
     An integer seed ``s`` seeds the episodes with ``s``, ``s + 1`` and so on; a sequence seeds each; ``first_seed`` is
-    added to all; every
-    environment then draws its later episodes from a generator of its own, as the single environment does. Infos
-    hold arrays (B, ...) of what the single environment's hold, each with the mask ``_key`` that Gymnasium asks for.
+    added to all. Each environment draws its later episodes from its own generator, as the single environment does.
+    Infos are arrays (B, ...), each with the mask ``_key`` of Gymnasium.
     """
 
     metadata: dict[str, Any] = {  # noqa: RUF012 (declared so by the base class)
@@ -75,7 +74,7 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
         threads: int = 1,
         first_seed: int = 0,
     ) -> None:
-        """Prepare ``num_envs`` episodes, divided among ``threads``; others are the single environment's arguments."""
+        """Prepare ``num_envs`` episodes, divided among ``threads``; the others are as in the single environment."""
         if num_envs < 1:
             raise InputError(f"expected num_envs to be at least 1, got {num_envs}")
         self.num_envs = num_envs
@@ -103,7 +102,7 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
             self._observed = create_empty_array(self.single_observation_space, num_envs)
 
     def reset(self, *, seed: Seeds = None, options: dict[str, Any] | None = None) -> tuple[Arrays, dict[str, Any]]:
-        """Start all episodes, or those of the (B,) bool array ``options["reset_mask"]``."""
+        """Start all episodes, or those of the (B,) bool array ``options["reset_mask"]``; observations are (B, ...)."""
         seeds = self._spread(seed)
         chosen = self._chosen(options)
         self._start(self._prepare(np.flatnonzero(chosen).tolist(), seeds))
@@ -116,9 +115,11 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
     def step(self, actions: NDArray[np.integer[Any]]) -> tuple[Arrays, NDArray[np.float64], Mask, Mask, dict[str, Any]]:
         """Fly one step in every episode, or start the next one, depending on the autoreset mode.
 
+        Takes (B,) actions; returns observations (B, ...), rewards, terminated and truncated (B,), and infos.
+
         Raises:
-            InputError: the next episode cannot be started; nothing was flown. Where it was to start in the same step as
-                the last one ended, that step returned as if there were no next one, and this one raises.
+            InputError: the next episode cannot be started; nothing was flown. In mode ``SAME_STEP`` the step after the
+                end of the last episode raises it.
 
         """
         if self._refused is not None:
@@ -148,7 +149,7 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
         return legal_actions(self.world)[:, 0].copy()
 
     def render(self) -> tuple[NDArray[np.uint8], ...] | None:  # type: ignore[override]  # base: a free type variable
-        """Return one picture for each episode, as the single environment renders it."""
+        """Return one picture (h, w, 3) uint8 for each episode, as the single environment renders it."""
         if self.render_mode is None:
             return None
         if not self._begun.all():
@@ -157,7 +158,7 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
 
     def __getstate__(self) -> dict[str, Any]:
         live = self._live is not None
-        return self.__dict__ | ({"_observed": None} if live else {})  # which a copy shares with its own planes again
+        return self.__dict__ | ({"_observed": None} if live else {})  # a copy sets it to its own planes
 
     def _spread(self, seed: Seeds) -> Sequence[int | None]:
         if seed is None:
@@ -187,7 +188,7 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
         return prepared
 
     def _generator(self, b: int, seed: int | None) -> np.random.Generator:
-        """Return what an environment draws its later seeds from."""
+        """Return the generator of an environment's later seeds."""
         rng = self._generators[b]
         if rng is None or seed is not None:
             rng = np_random(draw_seed(self.np_random) if seed is None else seed)[0]
@@ -211,12 +212,12 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
             self._start(self._prepare(episodes, [None] * self.num_envs))
             self._observe(over)
             self._over = np.zeros(self.num_envs, np.bool_)
-        except InputError as error:  # kept for the next step, so that what this one gave is not lost
+        except InputError as error:  # raised by the next step, so that this one's results are not lost
             self._refused = error
         return {"final_obs": final_obs, "_final_obs": over, "final_info": final_info, "_final_info": over.copy()}
 
     def _observe(self, chosen: Mask) -> None:
-        """Encode what the chosen episodes' UAVs know."""
+        """Encode the views of the chosen episodes."""
         if self._live is not None:
             self._live.update()
             if self._observed is None:
@@ -267,7 +268,7 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
 
 
 def _read_only(array: NDArray[Any]) -> NDArray[Any]:
-    array.setflags(write=False)  # a slice of its own; the state's array stays as it is
+    array.setflags(write=False)  # the flag of this slice, not of the state's array
     return array
 
 

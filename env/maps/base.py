@@ -14,7 +14,7 @@ from indoor_explorers.env.plugins import is_own, source_hash
 
 
 class BaseMaps(BaseModel):
-    """Describe where maps come from: frozen, validated, and distinguished in a scenario by ``source``."""
+    """Describe a source of maps: frozen, validated, and identified in a scenario by ``source``."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, use_attribute_docstrings=True)
 
@@ -33,18 +33,18 @@ class BaseMaps(BaseModel):
         raise NotImplementedError
 
     def without_files(self) -> Self:
-        """Return what a UAV may know of this source: all settings but the names of map files."""
+        """Return the settings that a UAV may know: all but the names of map files."""
         return self
 
     def identity(self) -> Any:
-        """Return the identity of this source as JSON: for files their cells, not their paths."""
+        """Return the identity of this source as JSON; files are identified by their cells."""
         return self.model_dump(mode="json")
 
 
 class GeneratedMaps(BaseMaps):
     """A generator of maps; subclasses define :meth:`draw`, and may have settings of their own.
 
-    Those of this package are connected and have a solid border: everything free can be reached from everywhere free.
+    Maps of this package's generators have a solid border and one connected free part.
     """
 
     source: str = ""
@@ -66,7 +66,7 @@ class GeneratedMaps(BaseMaps):
         return True
 
     def identity(self) -> Any:
-        """Return the settings, and for a plug-in a hash of its file: with other code it draws other maps."""
+        """Return the settings, and for a plug-in also a hash of its source file."""
         return super().identity() | ({} if is_own(type(self)) else {"code": source_hash(type(self))})
 
     def floorplan(self, index: int, seed: int, attempt: int = 0) -> Floorplan:
@@ -86,6 +86,6 @@ def check_sizes(name: str, sizes: tuple[int, int]) -> None:
 
 
 def check_room(name: str, side: int, least: int, why: str) -> None:
-    """Raise :class:`ValueError` when a side of the map is shorter than what has to fit into it."""
+    """Raise :class:`ValueError` when a side of the map is too short; ``why`` names what must fit into it."""
     if side < least:
         raise ValueError(f"{name} is {side}, expected at least {least} ({why}); enlarge it or shrink what is in it")

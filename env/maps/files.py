@@ -15,16 +15,21 @@ from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.grid.cells import FREE
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.maps.readers.building import read_building
-from indoor_explorers.env.maps.readers.doorways import open_doorways
 from indoor_explorers.env.maps.readers.houseexpo import RESOLUTION, read_houseexpo
-from indoor_explorers.env.maps.readers.json_text import read_json
+from indoor_explorers.env.maps.readers.image import read_plain
 from indoor_explorers.env.maps.readers.movingai import read_movingai
 from indoor_explorers.env.maps.readers.npy import inverted_notes, read_npy
-from indoor_explorers.env.maps.readers.opening import Fits, check_file
-from indoor_explorers.env.maps.readers.plain import read_plain
+from indoor_explorers.env.maps.readers.opening import Fits, check_file, read_json
 from indoor_explorers.env.maps.readers.ros import parse_ros, read_ros
 from indoor_explorers.env.maps.readers.vectormap import read_vectormap
-from indoor_explorers.env.maps.reduction import Source, check_resolution, checked_factor, cropped, reduced
+from indoor_explorers.env.maps.reduction import (
+    Source,
+    check_resolution,
+    checked_factor,
+    cropped,
+    open_doorways,
+    reduced,
+)
 
 
 def read_map(path: str | Path, resolution: float | None = None) -> Floorplan:
@@ -43,9 +48,10 @@ def read_map(path: str | Path, resolution: float | None = None) -> Floorplan:
     - ``.json``, a list: the wall segments of an AMRL vector map, drawn in pixels of 0.1 m and cut like a ROS map.
     - ``.xml``: the rooms and portals of a building, drawn, opened and cut in the same way.
 
-    A pixel, character or element of the three in the middle counts as one metre, and nothing is cut away.
+    A pixel of a plain picture, a character of a grid and an element of an array count as one metre, and nothing is cut
+    away.
 
-    Raises :class:`InputError` with one line that says what is wrong with the file or the resolution.
+    Raises :class:`InputError` with one line that describes the fault of the file or the resolution.
     """
     path = expanded(path)
     check_file(path)
@@ -61,10 +67,7 @@ def read_map(path: str | Path, resolution: float | None = None) -> Floorplan:
 
 
 def write_picture(floorplan: Floorplan, path: Path) -> None:
-    """Write the cells of a floor plan as a PNG picture, a pixel a cell, white where it is free, no start marked.
-
-    :func:`read_map` reads the same cells.
-    """
+    """Write the cells of a floor plan as a PNG picture that :func:`read_map` reads, without its start."""
     grey = np.where(floorplan.truth == FREE, 255, 0).astype(np.uint8)
     Image.fromarray(grey).save(path, format="PNG", optimize=True)
 

@@ -29,13 +29,13 @@ class Floorplan:
     resolution: float | None = None
     """Metres a cell, None when the source does not say."""
     kept: float = 1.0
-    """Share of the source's free area that is still reached in this map; 1.0 means that no floor was lost."""
+    """Share of the source's free area that can be reached in this map; 1.0 means that no floor was lost."""
     start: Cell | None = None
     """The free cell (row, column) that the source marks as the place to start from, if any."""
     connected: float = 1.0
     """Share of the source's free area that is in its largest connected part, before the source was reduced."""
     notes: tuple[str, ...] = ()
-    """What readers of the file suspect or leave out, a line each."""
+    """Warnings of the reader of the file, a line each."""
 
     def __post_init__(self) -> None:
         if self.truth.ndim != 2 or self.truth.size == 0:
@@ -56,7 +56,7 @@ class Floorplan:
         self.truth.setflags(write=False)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Floorplan, (self.truth, self.name, self.resolution, self.kept, self.start)  # whose truth is read-only
+        return Floorplan, (self.truth, self.name, self.resolution, self.kept, self.start)  # makes truth read-only again
 
     def _is_free(self, cell: Cell) -> bool:
         inside = all(0 <= place < side for place, side in zip(cell, self.shape, strict=True))

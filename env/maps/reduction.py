@@ -1,26 +1,32 @@
-"""From a source's pixels to a map's cells: coarser by any factor, with doors open and walls closed.
+"""Turn a source's pixels into the cells of a map, coarser by any factor, with doors open and walls closed.
 
-Cells outside of the largest connected free part can never be explored, so they become solid.
+Cells outside of the largest connected free part can never be explored, so they become solid. Floor plans converted to
+occupancy maps often contain only each room's outline, and the space between two outlines is unknown even in a doorway:
+:func:`open_doorways` opens these.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Belief, Cell, Mask
-from indoor_explorers.env.grid.cells import FREE, OCCUPIED
+from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.maps.floorplan import MAX_CELLS, Floorplan
-from indoor_explorers.env.search.connected_parts import largest_part
+from indoor_explorers.env.search.connected_parts import connected_parts, extent, largest_part
 
 if TYPE_CHECKING:
     from scipy import sparse
 
+#: A doorway is at most this deep, in metres: the thickness of a wall.
+DEPTH = 1.2
+#: A doorway leads into a room of at least this size, in square metres; smaller free areas are sensor noise.
+ROOM = 1.0
 #: Thresholds of the occupied share that makes a cell solid, in the order of trial; 0 means any occupied pixel.
 THRESHOLDS = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5)
 #: A threshold is good enough if this share of the source's connected floor stays connected.
@@ -51,13 +57,11 @@ class Source:
 def reduced(source: Source, resolution: float | None) -> Floorplan:
     """Turn a source into a floor plan with cells of ``resolution`` metres; None keeps the source's pixels.
 
-    Only the largest connected free part stays free; unknown pixels count as solid. A cell is solid when the
-    occupied share of its area reaches a threshold, or when less than half of it is connected floor. The
-    threshold is the first of :data:`THRESHOLDS` that keeps :data:`ENOUGH` of the floor connected, else the one
-    that keeps most: a small one keeps thin walls closed, a larger one keeps doors open. ``Floorplan.kept``
-    is the share of the source's free area that is still reachable: in free cells, or, because of rounding at
-    walls, in the solid ones right beside them. The start becomes the cell that its pixel lies in, or the nearest
-    free one.
+    Only the largest connected free part stays free; unknown pixels count as solid. A cell is solid when the occupied
+    share of its area reaches a threshold, or when less than half of it is connected floor. The threshold is the first
+    of :data:`THRESHOLDS` that keeps :data:`ENOUGH` of the floor connected, else the one that keeps most: a small one
+    keeps thin walls closed, a larger one keeps doors open. ``Floorplan.kept`` is the share of the source's free area in
+    reachable cells and in the solid cells beside them. The start becomes the nearest free cell.
 
     Raises :class:`InputError` when the resolution is finer than the source's, or so coarse that no floor is left.
     """
@@ -192,9 +196,46 @@ def _overlaps(pixels: int, factor: float) -> sparse.csr_array[np.float64]:
 def cropped(plan: Floorplan) -> Floorplan:
     """Cut a floor plan to its free cells and one solid cell on each side, left out where it makes too large a map."""
     free = plan.truth == FREE
-    rows, cols = np.flatnonzero(free.any(axis=1)), np.flatnonzero(free.any(axis=0))
-    inner = free[rows[0] : rows[-1] + 1, cols[0] : cols[-1] + 1]
+    rows, cols = extent(free)
+    inner = free[rows, cols]
     walled = np.pad(inner, 1)
     wall = int(walled.size <= MAX_CELLS)
-    start = None if plan.start is None else (plan.start[0] - int(rows[0]) + wall, plan.start[1] - int(cols[0]) + wall)
+    start = None if plan.start is None else (plan.start[0] - rows.start + wall, plan.start[1] - cols.start + wall)
     return replace(plan, truth=np.where(walled if wall else inner, FREE, OCCUPIED).astype(np.uint8), start=start)
+
+
+def open_doorways(cells: Belief, resolution: float) -> Belief:
+    """Return (H, W) uint8 ``cells`` with doorways free; ``resolution`` is metres a pixel.
+
+    A doorway is a straight strip of unknown pixels, along a row or a column and at most :data:`DEPTH` long, between the
+    free floors of two rooms that are not connected otherwise.
+    """
+    labels, sizes = connected_parts(cells == FREE)
+    rooms = sizes * resolution**2 >= ROOM
+    rooms[0] = False
+    if rooms.sum() < 2 or not (cells == UNKNOWN).any():
+        return cells
+    room = np.where(rooms[labels], labels, 0).astype(np.int32)
+    depth = int(DEPTH / resolution + 1e-9)
+    found = _strips(cells, room, depth) | _strips(cells.T, room.T, depth).T
+    return np.where(found, FREE, cells)
+
+
+def _strips(cells: Belief, room: NDArray[np.int32], depth: int) -> NDArray[np.bool_]:
+    """Mark the unknown pixels between two rooms of a row that are at most ``depth`` pixels apart."""
+    known = cells != UNKNOWN
+    before = _nearest_before(known)
+    after = cells.shape[1] - 1 - _nearest_before(known[:, ::-1])[:, ::-1]
+    inside = ~known & (before >= 0) & (after < cells.shape[1]) & (after - before <= depth + 1)
+    rows, cols = np.nonzero(inside)
+    left, right = room[rows, before[rows, cols]], room[rows, after[rows, cols]]
+    joins = (left > 0) & (right > 0) & (left != right)
+    marked = np.zeros(cells.shape, np.bool_)
+    marked[rows[joins], cols[joins]] = True
+    return marked
+
+
+def _nearest_before(known: NDArray[Any]) -> NDArray[np.int32]:
+    """Return for each pixel the column of the last known pixel at or before it in its row, -1 where none is."""
+    columns = np.arange(known.shape[1], dtype=np.int32)
+    return np.maximum.accumulate(np.where(known, columns, np.int32(-1)), axis=1)

@@ -18,7 +18,7 @@ from indoor_explorers.env.grid.arrays import Mask
 if TYPE_CHECKING:
     import networkx as nx
 
-#: Widths are told apart up to this many cells.
+#: Widths are measured up to this many cells.
 WIDEST = 64
 #: The width in metres up to which a place is narrow, and the same in cells where a map has no scale.
 PASSAGE_METRES, PASSAGE = 1.5, 3
@@ -33,7 +33,7 @@ Labels = NDArray[np.integer[Any]]
 
 
 def passage_of(resolution: float | None) -> int:
-    """Return the width in cells up to which a place is narrow, at so many metres a cell; None for no scale."""
+    """Return the width in cells up to which a place is narrow; ``resolution`` is metres a cell, None for no scale."""
     return max(1, round(PASSAGE_METRES / resolution)) if resolution else PASSAGE
 
 

@@ -1,13 +1,15 @@
-"""Where a scenario's maps come from: a generator, files, or the bundled office."""
+"""Sources of a scenario's maps: generators, files, and the bundled office."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import lru_cache
+from importlib import resources
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self, get_args
 
+import numpy as np
 from pydantic import (
     Field,
     PrivateAttr,
@@ -47,7 +49,11 @@ __all__ = [
 ]
 
 
-#: Stands for the path of a map file where it must not be known.
+#: The drawing of the office, its characters, and metres a cell: the floor is 40 m by 24 m, its corridors 1.6 m and most
+#: of its doors 0.8 m wide.
+OFFICE, OFFICE_RESOLUTION = "readers/office.txt", 0.4
+WALL, FURNITURE, FLOOR = "#", "o", "."
+#: Placeholder for the path of a map file that must not be known.
 HIDDEN = "(not told)"
 
 
@@ -72,7 +78,7 @@ class FileMaps(BaseMaps):
         return len(self.paths)
 
     def floorplan(self, index: int, seed: int, attempt: int = 0) -> Floorplan:
-        """Read file ``index``; the seed does not matter. Files of one name are told apart by their folders."""
+        """Read file ``index``, whatever the seed; plans of files with equal names have their folders in their names."""
         if index in self._held:
             return self._held[index]
         path = Path(self.paths[index])
@@ -81,13 +87,13 @@ class FileMaps(BaseMaps):
         return replace(plan, name=f"{path.parent.name}/{path.stem}") if alike else plan
 
     def holding(self, plans: Mapping[int, Floorplan]) -> FileMaps:
-        """Return the same maps with some floor plans in memory, by index, for machines that cannot read their files."""
+        """Return the same maps with some floor plans in memory, by index, for machines without the files."""
         held = self.model_copy()
         held._held = dict(plans)
         return held
 
     def without_files(self) -> Self:
-        """Return as many maps whose files nobody can read."""
+        """Return the same number of maps with placeholder paths."""
         return type(self)(paths=(HIDDEN,) * self.count, resolution=self.resolution)
 
     def identity(self) -> Any:
@@ -102,11 +108,11 @@ class OfficeMap(BaseMaps):
 
     def floorplan(self, index: int, seed: int, attempt: int = 0) -> Floorplan:
         """Return the office; the seed does not matter."""
-        return _office_once()
+        return office()
 
     def identity(self) -> Any:
         """Return the digest of the office's cells."""
-        return {"source": self.source, "cells": [_office_once().digest]}
+        return {"source": self.source, "cells": [office().digest]}
 
 
 MapSource = ThesisMaps | RoomsMaps | OfficesMaps | FloorsMaps | CaveMaps | MazeMaps | FileMaps | OfficeMap
@@ -166,7 +172,25 @@ def _read_once(path: str, resolution: float | None) -> Floorplan:
 
 
 @lru_cache(maxsize=1)
-def _office_once() -> Floorplan:
-    from indoor_explorers.env.maps.readers.office import office
+def office() -> Floorplan:
+    """Return the office: 60 x 100 cells, a corridor loop around an open-plan area, rooms on both sides of it."""
+    return drawn(resources.files(__package__).joinpath(OFFICE).read_text("ascii"), "office", OFFICE_RESOLUTION)
 
-    return office()
+
+def drawn(text: str, name: str, resolution: float | None = None) -> Floorplan:
+    """Turn a drawing of equally long lines of ``#``, ``o`` and ``.`` into a floor plan; ``.`` alone is free.
+
+    Raises :class:`InputError` for a line of another length or another character.
+    """
+    lines = text.split()
+    for number, line in enumerate(lines, 1):
+        if len(line) != len(lines[0]):
+            raise InputError(
+                f"{name}: expected {len(lines[0])} characters in line {number}, got {len(line)}; fix that line"
+            )
+        if unknown := set(line) - {WALL, FURNITURE, FLOOR}:
+            raise InputError(
+                f"{name}: expected only {WALL!r}, {FURNITURE!r} and {FLOOR!r} in line {number}, "
+                f"got {min(unknown)!r}; replace it"
+            )
+    return Floorplan.from_free(np.array([list(line) for line in lines]) == FLOOR, name, resolution)

@@ -18,6 +18,7 @@ from indoor_explorers.env.maps.room_graph import (
     nodes_of,
     room_graph,
 )
+from indoor_explorers.env.search.connected_parts import extent
 
 #: Solid pieces of at most this many cells are furniture.
 FURNITURE = 12
@@ -26,12 +27,12 @@ STRAIGHT = 5
 
 
 class Statistic(NamedTuple):
-    """What a statistic's values are, for tables and figures."""
+    """The name and unit of a statistic, for tables and figures."""
 
     name: str
     unit: str
     logarithmic: bool
-    """True for sizes, which are compared by their ratios."""
+    """Whether values are compared by their ratios."""
 
 
 STATISTICS = (
@@ -53,8 +54,7 @@ def map_statistics(free: Mask, passage: int = PASSAGE) -> dict[str, NDArray[np.f
 
     ``passage`` is the width in cells up to which a place is narrow: 1.5 m in cells of 0.5 m.
     """
-    rows, cols = np.flatnonzero(free.any(axis=1)), np.flatnonzero(free.any(axis=0))
-    inner = np.pad(free[rows[0] : rows[-1] + 1, cols[0] : cols[-1] + 1], 1)
+    inner = np.pad(free[extent(free)], 1)
     widths = local_widths(inner)
     graph = room_graph(inner, passage, widths)
     parts = nodes_of(graph, ROOM, CORRIDOR)

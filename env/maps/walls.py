@@ -69,7 +69,7 @@ def straight_walls(truth: Belief) -> list[Block]:
 
 
 def doorways(truth: Belief) -> list[Block]:
-    """Return the doorways of a map, gaps of at most ``WIDEST`` cells in walls with free cells before and behind."""
+    """Return the doorways of a map: gaps of at most ``WIDEST`` cells in walls, with free cells on both sides."""
     return [block.turned for block in _upright_gaps(truth.T)] + _upright_gaps(truth)
 
 
@@ -91,10 +91,10 @@ def _upright_gaps(truth: Belief) -> list[Block]:
 
 
 def _opens(walls: Mask, free: Mask, band: Block, beyond: int) -> bool:
-    """Tell whether a band of free cells between walls leads to more room at one end.
+    """Tell whether a band of free cells between walls opens into a room at one end.
 
-    A band ends where one of its walls does. If it goes on between walls one cell later and is longer than a cell, it is
-    a corridor with a doorway at its side.
+    A band ends where one of its walls ends. If it continues between walls one cell later and is longer than a cell, it
+    is a corridor with a doorway at its side.
     """
     rows = slice(band.top, band.top + band.height)
     first, second = band.left + beyond, band.left + beyond + (1 if beyond > 0 else -1)

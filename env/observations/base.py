@@ -62,15 +62,15 @@ class Views(NamedTuple):
 
 
 class Encoder(ABC):
-    """Turn one UAV's view into an observation. Made for one UAV; reads its view and its briefing, nothing else.
+    """Turn one UAV's view into an observation, from its view and its briefing alone.
 
     An encoder is called once per step, and :meth:`reset` before each episode's first view; between these calls it may
     store earlier views. With a home base or a prior map, :meth:`begin` is called instead, with the episode's briefing.
-    An encoder without a memory sets ``stateless = True``; it is then shared by all episodes of a batch. Otherwise each
-    episode has an encoder of its own.
+    An encoder without a memory sets ``stateless = True`` and is shared by all episodes of a batch; otherwise each
+    episode has its own.
     """
 
-    #: What :meth:`encode` fills, a Box or a Dict of them; the same object for the encoder's whole life.
+    #: The space of observations, a Box or a Dict of Boxes; the same object for the encoder's whole life.
     space: Space[Any]
     #: Whether observations do not depend on earlier views.
     stateless: bool = False
@@ -80,15 +80,15 @@ class Encoder(ABC):
         """Overwrite all of ``out``: an array of the space's shape and dtype, or a dict of such arrays."""
 
     def encode_batch(self, views: Views, out: Any) -> None:
-        """Overwrite ``out``, arrays (B, ...), from B views. Only for encoders without memory."""
+        """Overwrite ``out``, arrays (B, ...), from B views; only for stateless encoders."""
         for b in range(len(views.cell)):
             self.encode(views.view(b), row_of(out, b))
 
-    def reset(self) -> None:  # noqa: B027 (most have nothing to forget)
+    def reset(self) -> None:  # noqa: B027 (most have no memory)
         """Prepare for a new episode."""
 
     def begin(self, briefing: Briefing) -> None:
-        """Prepare for a new episode of the same UAV on a map of the same shape, with a briefing of its own."""
+        """Prepare for a new episode of the same UAV on a map of the same shape, with the episode's briefing."""
         self.reset()
 
     def observation(self, view: View) -> Any:

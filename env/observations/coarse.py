@@ -1,9 +1,9 @@
-"""The whole map, coarsely: a grid of zones of the same shape on any map, around the UAV or over the map.
+"""The whole map at a coarse resolution: a grid of zones of fixed shape, around the UAV or over the map.
 
 Zones are those of adaptive average pooling: zone i of n along an axis of L cells reaches from floor(i L / n) to
-ceil((i + 1) L / n), so that neighbours share a row of cells where n does not divide L, and zones of a map smaller
-than the grid are single cells. Around the UAV, L is 2 H - 1 (2 W - 1), the least that holds the map wherever in it
-the UAV is (Theile et al. 2020, arXiv:2010.06917, centre their global map the same way).
+ceil((i + 1) L / n). Neighbours share a row of cells where n does not divide L, and zones of a map smaller than the grid
+are single cells. Around the UAV, L is 2 H - 1 (2 W - 1), which contains the map for any position of the UAV (as in
+Theile et al. 2020, arXiv:2010.06917).
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ SHARES = ("unknown", "free", "frontier")
 
 @dataclass(frozen=True, kw_only=True)
 class Coarse:
-    """The share of each zone that is of each plane, (C, zones, zones) float32, 0 to 1.
+    """The mean of each plane in each zone, (C, zones, zones) float32, 0 to 1.
 
     Cells off the map are obstacles. ``self`` and ``mates`` mark the UAVs' zones with their full value instead of a
     share; teammates fade with the age of their last received position.
@@ -63,7 +63,7 @@ class CoarseEncoder(Encoder):
         self._mates = np.flatnonzero(self._codes == MATES).tolist()
 
     def encode(self, view: View, out: NDArray[np.float32]) -> None:
-        """Pool one view."""
+        """Pool one view into ``out`` (C, zones, zones)."""
         row, col = view.cell
         _pool(view.belief, view.visited, row, col, self._centred, self._codes, out)
         if self._mates and view.mates:
@@ -74,13 +74,13 @@ class CoarseEncoder(Encoder):
                     _mark(rows, cols, *mate.cell, freshness(mate) / FULL, out[k])
 
     def encode_batch(self, views: Views, out: NDArray[np.float32]) -> None:
-        """Pool the views of UAVs that fly alone."""
+        """Pool the views of single UAVs into ``out`` (B, C, zones, zones)."""
         _pool_all(views.belief, views.visited, views.cell, self._centred, self._codes, out)
 
 
 @kernel()
 def _edges(zones: int, cells: int, at: int, centred: bool) -> np.ndarray:
-    """Return (zones, 2): the first cell of each zone of an axis of ``cells`` cells, and the one behind its last."""
+    """Return (zones, 2): the first cell of each zone of an axis of ``cells`` cells, and the one after its last."""
     span, first = (2 * cells - 1, at - cells + 1) if centred else (cells, 0)
     edges = np.empty((zones, 2), np.int64)
     for i in range(zones):
@@ -93,7 +93,7 @@ def _edges(zones: int, cells: int, at: int, centred: bool) -> np.ndarray:
 def _pool(
     belief: np.ndarray, visited: np.ndarray, row: int, col: int, centred: bool, codes: np.ndarray, out: np.ndarray
 ) -> None:
-    """Fill planes ``out`` (C, Z, Z) float32 with shares of the kinds ``codes`` (C,), that of teammates with zeros."""
+    """Fill ``out`` (C, Z, Z) float32 with the means of the planes ``codes`` (C,); those of teammates are zero."""
     height, width = belief.shape
     rows, cols = _edges(out.shape[1], height, row, centred), _edges(out.shape[2], width, col, centred)
     painted = np.empty((codes.shape[0], height, width), np.uint8)

@@ -1,4 +1,4 @@
-"""What is around the UAV: a square of planes with the UAV in the middle, of the same shape on any map."""
+"""The surroundings of the UAV: a square of planes with the UAV in the middle, of the same shape on any map."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from indoor_explorers.env.observations.planes import FULL, MATES, codes_of, fres
 from indoor_explorers.env.policies.view import Briefing, View
 
 SCALE = np.float32(1 / FULL)
-#: Planes of a crop unless others are asked for; what is unknown is neither free nor an obstacle.
+#: Default planes of a crop; an unknown cell is neither free nor an obstacle.
 NEARBY = ("free", "obstacle", "mates", "visited", "frontier")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Crop:
-    """Planes around the UAV, (C, side, side) float32, 0 to 1. What is off the map is an obstacle."""
+    """Planes around the UAV, (C, side, side) float32, 0 to 1. Cells off the map are obstacles."""
 
     side: int = 15
     """Cells along a side; odd, so that the UAV is in the middle."""
@@ -52,7 +52,7 @@ class CropEncoder(Encoder):
         self._mates = np.flatnonzero(self._codes == MATES).tolist()
 
     def encode(self, view: View, out: NDArray[np.float32]) -> None:
-        """Cut the square out of one view."""
+        """Crop one view into ``out`` (C, side, side)."""
         _crop(view.belief, view.visited, view.cell[0], view.cell[1], self._codes, out)
         for k in self._mates:
             for mate in view.mates:
@@ -61,13 +61,13 @@ class CropEncoder(Encoder):
                     out[k, r, c] = max(out[k, r, c], freshness(mate) / FULL)
 
     def encode_batch(self, views: Views, out: NDArray[np.float32]) -> None:
-        """Cut the squares of UAVs that fly alone."""
+        """Crop the views of single UAVs into ``out`` (B, C, side, side)."""
         _crop_all(views.belief, views.visited, views.cell, self._codes, out)
 
 
 @kernel()
 def _crop(belief: np.ndarray, visited: np.ndarray, row: int, col: int, codes: np.ndarray, out: np.ndarray) -> None:
-    """Fill planes ``out`` (C, S, S) float32 around (row, col), that of teammates with zeros."""
+    """Fill planes ``out`` (C, S, S) float32 around (row, col); those of teammates are zero."""
     side = out.shape[1]
     top, left = row - side // 2, col - side // 2
     r0, c0 = max(top - 1, 0), max(left - 1, 0)  # one cell more on each side, which decides what is a frontier

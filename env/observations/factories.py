@@ -1,17 +1,17 @@
-"""Observations by name, and compositions of observations."""
+"""Observations by name, compositions of observations, and encoders for a batch of episodes."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from indoor_explorers.env.errors import InputError, did_you_mean
-from indoor_explorers.env.observations.base import Encoder, Observation
+from indoor_explorers.env.observations.base import Encoder, Observation, Views, row_of
 from indoor_explorers.env.observations.coarse import Coarse
 from indoor_explorers.env.observations.crop import NEARBY, Crop
-from indoor_explorers.env.observations.planes import PLANES, Channels, ThesisImage
-from indoor_explorers.env.observations.status import Legal, Status
-from indoor_explorers.env.observations.uncertainty import Heading, Occupancy
+from indoor_explorers.env.observations.planes import PLANES, Channels, Occupancy, ThesisImage
+from indoor_explorers.env.observations.status import Heading, Legal, Status
 from indoor_explorers.env.observations.wrappers import FlatEncoder, PartsEncoder, StackedEncoder
 from indoor_explorers.env.policies.view import Briefing
 
@@ -21,7 +21,7 @@ MASK = "action_mask"
 
 @dataclass(frozen=True)
 class Parts:
-    """A dict observation of named observations; those that are dicts themselves add their own names."""
+    """A dict observation of named observations; parts that are dicts contribute their own names."""
 
     of: Mapping[str, Observation]
     """Name and observation of each part."""
@@ -74,7 +74,7 @@ class Masked:
     of: Observation
     """The observation without a mask."""
     name: str = "observation"
-    """Its key if it is no dict: PettingZoo uses ``observation``, RLlib's masking ``observations``."""
+    """Key of an observation that is no dict: PettingZoo uses ``observation``, RLlib's masking ``observations``."""
 
     def __call__(self, briefing: Briefing) -> PartsEncoder:
         """Make the encoder of one UAV."""
@@ -150,6 +150,34 @@ def _made(factory: Callable[[Briefing], Encoder], briefing: Briefing) -> Encoder
     encoder = factory(briefing) if callable(factory) else None
     if not isinstance(encoder, Encoder):
         raise InputError(
-            f"expected a name, or what makes an Encoder from a briefing such as Egocentric(side=21), got {factory!r}"
+            f"expected a name, or a factory of an Encoder from a briefing such as Egocentric(side=21), got {factory!r}"
         )
     return encoder
+
+
+class BatchedEncoder:
+    """Encode B episodes of lone UAVs, each as an encoder of its own would."""
+
+    def __init__(self, observation: Observation, briefing: Briefing, count: int) -> None:
+        first = make_encoder(observation, briefing)
+        self.space = first.space
+        self.shared = first if first.stateless else None
+        """The encoder of all episodes, when they share one."""
+        self._own = [first] + [make_encoder(observation, briefing) for _ in range(0 if first.stateless else count - 1)]
+
+    def of(self, b: int) -> Encoder | None:
+        """Return the encoder of the episode in place ``b`` of the batch; None where all share one without a memory."""
+        return self._own[b] if self.shared is None else None
+
+    def encode(self, views: Views, out: Any) -> None:
+        """Overwrite all of ``out``, arrays (B, ...)."""
+        if self.shared is not None:
+            self.shared.encode_batch(views, out)
+        else:
+            for b in range(len(self._own)):
+                self.encode_one(b, views, out)
+
+    def encode_one(self, b: int, views: Views, out: Any) -> None:
+        """Overwrite entry ``b`` of ``out``."""
+        encoder = self._own[b] if self.shared is None else self.shared
+        encoder.encode(views.view(b), row_of(out, b))

@@ -1,17 +1,18 @@
-"""The planes of ``channels`` for a whole batch, updated in place: a step repaints only what has changed.
+"""The planes of ``channels`` for a whole batch, updated in place: a step repaints only the changed cells.
 
-A world's discovery logs list the newly known cells, so the time of an update depends on these and not on the map.
-The planes are those of :mod:`indoor_explorers.env.observations.planes`, cell for cell.
+A world's discovery logs list the newly known cells, so the time of an update depends on their number and not on the
+map. The planes equal those of :mod:`indoor_explorers.env.observations.planes`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from indoor_explorers.env.grid.arrays import allocated
 from indoor_explorers.env.grid.cells import FREE, MOVES, UNKNOWN
 from indoor_explorers.env.grid.compiled import inner, kernel
 from indoor_explorers.env.observations.planes import FRONTIER, FULL, MATES, PLANES, SELF, VISITED, codes_of
@@ -22,22 +23,22 @@ from indoor_explorers.env.simulation.world import World
 
 
 class PlaneBuffers(NamedTuple):
-    """The planes and the state that they show."""
+    """The planes and the painted state."""
 
-    planes: NDArray[np.uint8]
-    """(B, N, C, H, W)."""
-    place: NDArray[np.int64]
-    """(7,) index of each of :data:`PLANES` among the C planes, -1 for none."""
-    begun: NDArray[np.int64]
-    """(B,) the world's count of episodes begun, see :attr:`World.begun`."""
-    step: NDArray[np.int64]
-    """(B,) of that episode."""
-    known: NDArray[np.int64]
-    """(B, N) painted entries of the agent's discovery log."""
-    cell: NDArray[np.int64]
-    """(B, N, 2) cell in which the agent itself is marked."""
-    mates: NDArray[np.int64]
-    """(B, N, N) flat cell in which each teammate is marked, -1 for none."""
+    planes: Annotated[NDArray[np.uint8], "B N C H W"]
+    """The painted planes."""
+    place: Annotated[NDArray[np.int64], "7"]
+    """Index of each of :data:`PLANES` among the C planes, -1 for none."""
+    begun: Annotated[NDArray[np.int64], "B"]
+    """The world's count of episodes begun, see :attr:`World.begun`."""
+    step: Annotated[NDArray[np.int64], "B"]
+    """Steps flown of that episode."""
+    known: Annotated[NDArray[np.int64], "B N"]
+    """Painted entries of the agent's discovery log."""
+    cell: Annotated[NDArray[np.int64], "B N 2"]
+    """Cell in which the agent itself is marked."""
+    mates: Annotated[NDArray[np.int64], "B N N"]
+    """Flat cell in which each teammate is marked, -1 for none."""
 
 
 class LivePlanes:
@@ -47,17 +48,10 @@ class LivePlanes:
         """Prepare for a world with episodes in it; ``planes`` are as for ``channels``."""
         self._world = world
         batch, team, height, width = world.state.belief.shape
-        place = np.full(len(PLANES), -1)
-        place[codes_of(planes)] = np.arange(len(planes))
-        self._buffers = PlaneBuffers(
-            planes=np.zeros((batch, team, len(planes), height, width), np.uint8),
-            place=place,
-            begun=np.full(batch, -1),
-            step=np.zeros(batch, np.int64),
-            known=np.zeros((batch, team), np.int64),
-            cell=np.zeros((batch, team, 2), np.int64),
-            mates=np.full((batch, team, team), -1),
-        )
+        self._buffers = allocated(PlaneBuffers, B=batch, N=team, C=len(planes), H=height, W=width)
+        for numbers in (self._buffers.place, self._buffers.begun, self._buffers.mates):
+            numbers[:] = -1
+        self._buffers.place[codes_of(planes)] = np.arange(len(planes))
 
     @property
     def planes(self) -> NDArray[np.uint8]:
@@ -65,12 +59,12 @@ class LivePlanes:
         return self._buffers.planes
 
     def update(self) -> NDArray[np.uint8]:
-        """Paint what has changed since the last call and return :attr:`planes`."""
+        """Paint the changes since the last call and return :attr:`planes`."""
         self._world.in_slices(self._refresh)
         return self.planes
 
     def step(self, actions: NDArray[np.integer[Any]]) -> NDArray[np.uint8]:
-        """Step the world and update together, which is faster with threads than one after the other."""
+        """Step the world with actions (B, N) and update in the same threads; return :attr:`planes`."""
         self._world.step(actions, self._refresh)
         return self.planes
 

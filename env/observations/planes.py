@@ -1,4 +1,4 @@
-"""Planes of the whole map: ``channels``, any of its planes, and the image of the thesis."""
+"""Planes of the whole map: ``channels``, any of its planes, the image of the thesis, and occupancy probabilities."""
 
 from __future__ import annotations
 
@@ -54,14 +54,14 @@ class ChannelsEncoder(Encoder):
         self._mates = np.flatnonzero(self._codes == MATES).tolist()
 
     def encode(self, view: View, out: NDArray[np.uint8]) -> None:
-        """Paint the planes of one view."""
+        """Paint the planes of one view into ``out`` (C, H, W)."""
         paint(view.belief, view.visited, view.cell[0], view.cell[1], self._codes, out)
         for k in self._mates:
             for mate in view.mates:
                 out[k][mate.cell] = max(out[k][mate.cell], freshness(mate))
 
     def encode_batch(self, views: Views, out: NDArray[np.uint8]) -> None:
-        """Paint the planes of UAVs that fly alone."""
+        """Paint the planes of single UAVs into ``out`` (B, C, H, W)."""
         _paint_all(views.belief, views.visited, views.cell, self._codes, out)
 
 
@@ -87,25 +87,42 @@ class ThesisEncoder(Encoder):
         self._own = briefing.agent + 1
 
     def encode(self, view: View, out: NDArray[np.float32]) -> None:
-        """Paint one view."""
+        """Paint one view into ``out`` (H, W)."""
         THESIS_LEVELS.take(view.belief, out=out, mode="clip")
         for mate in view.mates:
             out[mate.cell] = mate.agent + 1
         out[view.cell] = self._own
 
     def encode_batch(self, views: Views, out: NDArray[np.float32]) -> None:
-        """Paint UAVs that fly alone."""
+        """Paint the views of single UAVs into ``out`` (B, H, W)."""
         THESIS_LEVELS.take(views.belief, out=out, mode="clip")
         out[np.arange(len(views.cell)), views.cell[:, 0], views.cell[:, 1]] = self._own
 
 
+@dataclass(frozen=True)
+class Occupancy:
+    """The probability that each cell is occupied, (1, H, W) float32: see :attr:`View.occupancy`."""
+
+    def __call__(self, briefing: Briefing) -> OccupancyEncoder:
+        """Make the encoder of one UAV."""
+        return OccupancyEncoder(briefing)
+
+
+class OccupancyEncoder(Encoder):
+    """Encode :class:`Occupancy`."""
+
+    stateless = True
+
+    def __init__(self, briefing: Briefing) -> None:
+        self.space = Box(0.0, 1.0, (1, *briefing.shape), np.float32)
+
+    def encode(self, view: View, out: NDArray[np.float32]) -> None:
+        """Write one view's probabilities into ``out`` (1, H, W)."""
+        out[0] = view.occupancy
+
+
 def codes_of(planes: Sequence[str]) -> NDArray[np.int64]:
-    """Return the (C,) numbers of planes in :data:`PLANES`.
-
-    Raises:
-        InputError: there are none, or one has no such name.
-
-    """
+    """Return the (C,) numbers of planes in :data:`PLANES`; raise :class:`InputError` for none or an unknown one."""
     if isinstance(planes, str) or not planes:
         raise InputError(f"expected a sequence of planes such as ('free', 'self'), got {planes!r}")
     for plane in planes:
@@ -121,7 +138,7 @@ def freshness(mate: Mate) -> int:
 
 @kernel()
 def paint(belief: np.ndarray, visited: np.ndarray, row: int, col: int, codes: np.ndarray, out: np.ndarray) -> None:
-    """Fill planes ``out`` (C, H, W) uint8 of the kinds ``codes`` (C,), that of teammates with zeros."""
+    """Fill ``out`` (C, H, W) uint8 with the planes ``codes`` (C,); those of teammates are zero."""
     height, width = belief.shape
     for k in range(codes.shape[0]):
         code, plane = codes[k], out[k]

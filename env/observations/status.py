@@ -1,4 +1,4 @@
-"""The knowledge of a UAV besides maps: a few numbers, and which moves are legal."""
+"""The knowledge of a UAV besides maps: a few numbers, the legal moves and the heading."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Status:
     """The numbers of :data:`STATUS`, (11,) float32, 0 to 1; with ``base`` those of :data:`BASE_STATUS` too, (15,)."""
 
     base: bool = False
-    """Whether it tells of the home base, in scenarios without one too."""
+    """Whether it includes the home base, also in scenarios without one."""
 
     def __call__(self, briefing: Briefing) -> StatusEncoder:
         """Make the encoder of one UAV."""
@@ -37,7 +37,7 @@ class Status:
 
 
 class StatusEncoder(Encoder):
-    """Encode a :class:`Status`; one with the base keeps in mind where that is in this episode."""
+    """Encode a :class:`Status`; with ``base`` it stores the base's cell of this episode."""
 
     def __init__(self, factory: Status, briefing: Briefing) -> None:
         self.space = Box(0.0, 1.0, (len(STATUS) + factory.base * len(BASE_STATUS),), np.float32)
@@ -47,7 +47,7 @@ class StatusEncoder(Encoder):
         self._mates = max(briefing.team - 1, 1)
 
     def encode(self, view: View, out: NDArray[np.float32]) -> None:
-        """Write one view's numbers."""
+        """Write one view's numbers into ``out`` (11,), or (15,) with the base."""
         linked = sum(mate.age == 0 for mate in view.mates) / self._mates if view.mates else 0.0
         elapsed = view.step / view.budget
         _fill(view.belief, view.cell[0], view.cell[1], view.legal, elapsed, self._number, linked, out)
@@ -55,7 +55,7 @@ class StatusEncoder(Encoder):
             out[len(STATUS) :] = self._of_base(view)
 
     def begin(self, briefing: Briefing) -> None:
-        """Note where the base is."""
+        """Store the base's cell."""
         self._base = briefing.base
 
     def _of_base(self, view: View) -> tuple[float, float, float, float]:
@@ -67,7 +67,7 @@ class StatusEncoder(Encoder):
         return 1.0, 0.5 + down / 2, 0.5 + right / 2, age
 
     def encode_batch(self, views: Views, out: NDArray[np.float32]) -> None:
-        """Write the numbers of UAVs that fly alone."""
+        """Write the numbers of single UAVs into ``out`` (B, 11)."""
         _fill_all(views.belief, views.cell, views.legal, views.step / views.budget, self._number, out)
 
 
@@ -92,14 +92,38 @@ class LegalEncoder(Encoder):
         self.space = Box(0, 1, (briefing.scenario.actions,), np.int8)
 
     def encode(self, view: View, out: NDArray[np.int8]) -> None:
-        """Write one view's legal moves."""
+        """Write one view's legal actions into ``out`` (A,)."""
         out[:5] = view.legal
         out[5:] = 1
 
     def encode_batch(self, views: Views, out: NDArray[np.int8]) -> None:
-        """Write the legal moves of UAVs that fly alone."""
+        """Write the legal actions of single UAVs into ``out`` (B, A)."""
         out[:, :5] = views.legal
         out[:, 5:] = 1
+
+
+@dataclass(frozen=True)
+class Heading:
+    """The direction that the UAV faces, (4,) float32: 1 for down, left, up or right; zeros where it sees all around."""
+
+    def __call__(self, briefing: Briefing) -> HeadingEncoder:
+        """Make the encoder of one UAV."""
+        return HeadingEncoder()
+
+
+class HeadingEncoder(Encoder):
+    """Encode :class:`Heading`."""
+
+    stateless = True
+
+    def __init__(self) -> None:
+        self.space = Box(0.0, 1.0, (4,), np.float32)
+
+    def encode(self, view: View, out: NDArray[np.float32]) -> None:
+        """Write one view's heading into ``out`` (4,)."""
+        out[:] = 0.0
+        if view.heading is not None:
+            out[view.heading] = 1.0
 
 
 @kernel()

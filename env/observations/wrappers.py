@@ -1,4 +1,4 @@
-"""Encoders composed of encoders: named parts, one flat vector, the last few observations."""
+"""Encoders composed of other encoders: named parts, one flat vector, the last few observations."""
 
 from __future__ import annotations
 
@@ -14,10 +14,29 @@ from indoor_explorers.env.observations.base import Encoder, Views, boxes_of, emp
 from indoor_explorers.env.policies.view import Briefing, View
 
 
-class PartsEncoder(Encoder):
-    """Give parts their names in a Dict; a part that is a Dict already adds its own names."""
+class _ComposedEncoder(Encoder):
+    """Pass the start of an episode on to the encoders that an encoder is composed of."""
+
+    def __init__(self, *inner: Encoder) -> None:
+        self._all = inner
+        self.stateless = all(each.stateless for each in inner)
+
+    def reset(self) -> None:
+        """Reset each inner encoder."""
+        for each in self._all:
+            each.reset()
+
+    def begin(self, briefing: Briefing) -> None:
+        """Begin each inner encoder's episode."""
+        for each in self._all:
+            each.begin(briefing)
+
+
+class PartsEncoder(_ComposedEncoder):
+    """Join parts in a Dict by their names; a part that is a Dict contributes its own names."""
 
     def __init__(self, parts: Mapping[str, Encoder]) -> None:
+        super().__init__(*parts.values())
         boxes: dict[str, Space[Any]] = {}
         for name, part in parts.items():
             for inner, box in boxes_of(part.space).items():
@@ -25,7 +44,6 @@ class PartsEncoder(Encoder):
                     raise InputError(f"expected names that differ, got two parts called {key!r}; rename one")
                 boxes[key] = box
         self.space = Dict(boxes)
-        self.stateless = all(part.stateless for part in parts.values())
         self._parts = [(None if isinstance(part.space, Dict) else name, part) for name, part in parts.items()]
 
     def encode(self, view: View, out: dict[str, NDArray[Any]]) -> None:
@@ -34,19 +52,9 @@ class PartsEncoder(Encoder):
             part.encode(view, out if name is None else out[name])
 
     def encode_batch(self, views: Views, out: dict[str, NDArray[Any]]) -> None:
-        """Encode each part for UAVs that fly alone."""
+        """Encode each part of single UAVs into its arrays (B, ...)."""
         for name, part in self._parts:
             part.encode_batch(views, out if name is None else out[name])
-
-    def reset(self) -> None:
-        """Reset each part."""
-        for _, part in self._parts:
-            part.reset()
-
-    def begin(self, briefing: Briefing) -> None:
-        """Let each part begin."""
-        for _, part in self._parts:
-            part.begin(briefing)
 
 
 class _Slot(NamedTuple):
@@ -57,19 +65,14 @@ class _Slot(NamedTuple):
     box: Box
     scale: np.float32
 
-    @property
-    def direct(self) -> bool:
-        """Whether the part can be written into the vector as it is."""
-        return self.box.dtype == np.float32
 
-
-class FlatEncoder(Encoder):
+class FlatEncoder(_ComposedEncoder):
     """Join all numbers to one float32 vector, in the order of ``gymnasium.spaces.flatten``, bytes divided by 255."""
 
     def __init__(self, inner: Encoder) -> None:
+        super().__init__(inner)
         self._inner = inner
         self._named = isinstance(inner.space, Dict)
-        self.stateless = inner.stateless
         self._slots: list[_Slot] = []
         start = 0
         for name, box in boxes_of(inner.space).items():
@@ -79,19 +82,19 @@ class FlatEncoder(Encoder):
         low = np.concatenate([slot.box.low.astype(np.float32).ravel() * slot.scale for slot in self._slots])
         high = np.concatenate([slot.box.high.astype(np.float32).ravel() * slot.scale for slot in self._slots])
         self.space = Box(low, high, dtype=np.float32)
-        self._places = [(slot.name, slot.span, slot.box.shape) for slot in self._slots if slot.direct]
-        self._others = [slot for slot in self._slots if not slot.direct]
+        self._places = [(name, span, box.shape) for name, span, box, _ in self._slots if box.dtype == np.float32]
+        self._others = [slot for slot in self._slots if slot.box.dtype != np.float32]
         self._scratch = {slot.name: np.empty(slot.box.shape, slot.box.dtype) for slot in self._others}
 
     def encode(self, view: View, out: NDArray[np.float32]) -> None:
-        """Encode one view; float32 parts are written where they belong at once."""
+        """Encode one view into ``out`` (K,); float32 parts are written in place."""
         parts = self._scratch | {name: out[span].reshape(shape) for name, span, shape in self._places}
         self._inner.encode(view, parts if self._named else parts[""])
         for name, span, _, scale in self._others:
             np.multiply(parts[name].reshape(-1), scale, out=out[span], casting="unsafe")
 
     def encode_batch(self, views: Views, out: NDArray[np.float32]) -> None:
-        """Encode UAVs that fly alone."""
+        """Encode the views of single UAVs into ``out`` (B, K)."""
         count = len(views.cell)
         parts = empty(self._inner.space, count)
         self._inner.encode_batch(views, parts)
@@ -99,23 +102,17 @@ class FlatEncoder(Encoder):
             part = parts[name] if self._named else parts
             np.multiply(part.reshape(count, -1), scale, out=out[:, span], casting="unsafe")
 
-    def reset(self) -> None:
-        """Reset the inner encoder."""
-        self._inner.reset()
 
-    def begin(self, briefing: Briefing) -> None:
-        """Let the inner encoder begin."""
-        self._inner.begin(briefing)
+class StackedEncoder(_ComposedEncoder):
+    """Stack the last observations of an episode, oldest first; at the start all of them are the first.
 
-
-class StackedEncoder(Encoder):
-    """Keep the last observations of an episode, oldest first; before the first step all of them are the first.
-
-    Vectors and stacks of planes are joined along their first axis, so that (C, H, W) becomes (k C, H, W); an
-    image (H, W) becomes the planes (k, H, W). To encode a step once more replaces the newest observation.
+    Vectors and planes are joined along their first axis, so that (C, H, W) becomes (k C, H, W); an image (H, W) becomes
+    the planes (k, H, W). Encoding the same step again replaces the newest observation.
     """
 
     def __init__(self, inner: Encoder, depth: int) -> None:
+        super().__init__(inner)
+        self.stateless = False
         self._inner = inner
         self._named = isinstance(inner.space, Dict)
         boxes = boxes_of(inner.space)
@@ -128,12 +125,12 @@ class StackedEncoder(Encoder):
     def reset(self) -> None:
         """Drop the observations of the last episode."""
         self._step = None
-        self._inner.reset()
+        super().reset()
 
     def begin(self, briefing: Briefing) -> None:
         """Drop the observations of the last episode."""
         self._step = None
-        self._inner.begin(briefing)
+        super().begin(briefing)
 
     def encode(self, view: View, out: Any) -> None:
         """Add the newest observation, and write the last ones."""

@@ -15,7 +15,7 @@ from indoor_explorers.env.policies.view import Briefing, Message, View
 
 
 def checked_action(answer: object, count: int = 5, names: str = "") -> int:
-    """Return the action in [0, count) that an answer means: an integer, of a subclass of int its true value.
+    """Return an answer as an action in [0, count).
 
     Args:
         answer: Any object; a bool is no action.
@@ -23,7 +23,7 @@ def checked_action(answer: object, count: int = 5, names: str = "") -> int:
         names: Their names for the error.
 
     Raises:
-        InputError: it is none of them.
+        InputError: the answer is no action.
 
     """
     if type(answer) is int and 0 <= answer < count:  # nearly always; all else takes longer
@@ -39,12 +39,7 @@ def checked_action(answer: object, count: int = 5, names: str = "") -> int:
 
 
 def integers(actions: ArrayLike, count: int = 5) -> NDArray[np.integer[Any]]:
-    """Return numbers as an array, of which those that are no integers are refused; their range is not checked.
-
-    Raises:
-        InputError: there are others, such as floats and bools.
-
-    """
+    """Return actions as an array of integers, whose range is not checked; raise :class:`InputError` for other types."""
     try:
         array = np.asarray(actions)
     except (TypeError, ValueError):  # lists of different lengths
@@ -67,12 +62,12 @@ class Pilot(ABC):
     """Sent to the teammates in radio range after the move: None or at most 16 numbers."""
 
     done: bool = False
-    """Whether this UAV would end its mission now, as the map seems complete enough to it. It flies on all the same;
-    results tell what stopping would have cost in coverage and saved in steps."""
+    """Whether this UAV would end its mission now, because its map seems complete enough. It flies on; results report
+    the coverage lost and the steps saved by stopping."""
 
     @abstractmethod
     def act(self, view: View) -> int:
-        """Choose one of the five actions from what this UAV knows; where ``view.heading`` is not None, of six."""
+        """Choose one of five actions from this UAV's view; one of six if ``view.heading`` is not None."""
 
     def tally(self) -> dict[str, float]:
         """Return named figures about this episode for the results, such as a share of guarded decisions."""
@@ -92,17 +87,16 @@ class Policy(ABC):
     """True for a policy that reads ``briefing.generator``, which any policy may; results mark it."""
 
     plans_for: ClassVar[str] = ""
-    """The coverage that it plans for, in a few words, such as "all cells"; empty if it does not say. Results tell where
-    policies plan for different coverage."""
+    """The coverage that the policy plans for, such as "all cells"; empty if unknown. Results report policies that plan
+    for different coverage."""
 
     batched: ClassVar[bool] = False
-    """True if :meth:`act` is faster for many UAVs at once than one by one, such as with one forward pass. It is then
-    called for all UAVs of a batch at once, and a decision's time is its share of the batch's; otherwise it is called,
-    and timed, for one UAV after the other."""
+    """True if :meth:`act` is faster for many UAVs at once, such as with one forward pass. It is then called for all
+    UAVs of a batch, and a decision's time is its share of the call; otherwise it is called and timed for each UAV."""
 
     map_shape: tuple[int, int] | None = None
-    """(H, W) of the only maps that it flies, such as those of a network's training; None for any. It may be set on the
-    instance. The conformance suite then flies rooms of this size and no large map."""
+    """(H, W) of the only maps that the policy flies, such as those of a network's training; None for any. It may be set
+    on the instance. The conformance suite then flies rooms of this size and no large map."""
 
     @abstractmethod
     def pilot(self, briefing: Briefing) -> Pilot:
@@ -115,7 +109,7 @@ class Policy(ABC):
     def seen_seeds(self) -> Mapping[str, Sequence[range]]:
         """Return the episode seeds that the policy was trained, validated or tuned on, by use, such as "training".
 
-        Results say where they rest on such seeds.
+        Results report evaluations on such seeds.
         """
         return {}
 

@@ -5,8 +5,8 @@ are declared in ``indoor_explorers.openers``: they make a policy from a path, su
 Before a colon, the name of an opener hides a module of the same name. A policy's module is imported when the policy
 is first made, so torch and ompl load only when they are used.
 
-What a name means is looked up before anything is called: what a distribution declares, which may be a function, or a
-subclass of :class:`~indoor_explorers.env.policies.policy.Policy`. Nothing else is ever called, whoever wrote the name.
+Only declared objects, which may be functions, and subclasses of :class:`~indoor_explorers.env.policies.policy.Policy`
+are ever called.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from collections import defaultdict
 from collections.abc import Mapping
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
+from operator import attrgetter
 from typing import Any, NamedTuple
 
 from indoor_explorers.env.errors import InputError, PolicyError, described, did_you_mean
@@ -27,7 +28,7 @@ GROUP = "indoor_explorers.policies"
 OPENERS = "indoor_explorers.openers"
 #: The parts of this package that hold its own policies.
 PARTS = ("planners", "learners")
-#: What a name that is not declared has to mean.
+#: The requirement for a name that is not declared.
 WANTED = "expected a subclass of indoor_explorers.env.Policy"
 #: Which extra of the distribution brings an optional module.
 EXTRAS = {
@@ -40,7 +41,7 @@ EXTRAS = {
 
 
 class _Target(NamedTuple):
-    """What makes a policy: ``module:attribute``, the parameters that its name gives, and whether it is declared."""
+    """The maker of a policy: ``module:attribute``, the parameters from its name, and whether it is declared."""
 
     address: str
     given: dict[str, str]
@@ -48,12 +49,7 @@ class _Target(NamedTuple):
 
 
 def policy_entry_points() -> dict[str, EntryPoint]:
-    """Return the declared policies by name; a name declared twice is refused.
-
-    Raises:
-        InputError: two installed distributions declare the same name for different objects.
-
-    """
+    """Return the declared policies by name; raise :class:`InputError` for a name of two different objects."""
     return _declared(GROUP, "policy name")
 
 
@@ -100,17 +96,12 @@ def make_policy(name: str, **parameters: Any) -> Policy:
 
 
 def policy_class(name: str) -> Any:
-    """Return the class, or the declared function, that :func:`make_policy` would call.
-
-    Raises:
-        InputError: no such name, or a missing optional dependency.
-
-    """
+    """Return the class or function that :func:`make_policy` calls; raise :class:`InputError` if there is none."""
     return _load(name)[0]
 
 
 def _refuse_unknown(name: str, kind: Any, parameters: Mapping[str, Any]) -> None:
-    """Refuse a parameter that the constructor does not take, with the likely one."""
+    """Refuse an unknown parameter of a constructor, and suggest the likely one."""
     try:
         known = inspect.signature(kind).parameters
     except (TypeError, ValueError):  # built-in ones tell nothing; the call itself will
@@ -124,7 +115,7 @@ def _refuse_unknown(name: str, kind: Any, parameters: Mapping[str, Any]) -> None
 
 
 def missing_module(error: ModuleNotFoundError) -> str:
-    """Say which module is not installed, and how to install it where an extra brings it."""
+    """Return which module is not installed, and the extra of this package that contains it."""
     extra = EXTRAS.get((error.name or "").partition(".")[0])
     return f"no module named {error.name!r}" + (f"; install indoor-explorers[{extra}]" if extra else "")
 
@@ -144,18 +135,13 @@ def _declared(group: str, what: str) -> dict[str, EntryPoint]:
 
 @cache
 def is_own_policy(name: str) -> bool:
-    """Tell, without importing anything, whether the code that makes a policy is of this package.
-
-    Raises:
-        InputError: no such name.
-
-    """
+    """Tell, without an import, whether a policy belongs to this package; raise :class:`InputError` if there is none."""
     package, _, rest = _target(name).address.partition(".")
     return package == __name__.partition(".")[0] and rest.partition(".")[0] in PARTS
 
 
 def _load(name: str) -> tuple[Any, dict[str, str]]:
-    """Return what makes the policy, and the parameters that its name gives."""
+    """Return the maker of a policy, and the parameters from its name."""
     target = _target(name)
     kind = _found(name, target.address)
     if not target.declared and not (isinstance(kind, type) and issubclass(kind, Policy)):
@@ -165,7 +151,7 @@ def _load(name: str) -> tuple[Any, dict[str, str]]:
 
 
 def _target(name: str) -> _Target:
-    """Return what makes the policy, without importing anything."""
+    """Return the maker of a policy, without importing anything."""
     known = policy_entry_points()
     before, colon, path = name.partition(":")
     if not colon and name in known:
@@ -181,15 +167,13 @@ def _target(name: str) -> _Target:
 
 
 def _found(name: str, target: str) -> Any:
-    """Return the object that ``module:attribute`` means."""
+    """Return the object at ``module:attribute``."""
     module_name, _, attribute = target.partition(":")
-    found = _imported(name, module_name)
+    module = _imported(name, module_name)
     try:
-        for part in attribute.split("."):
-            found = getattr(found, part)
+        return attrgetter(attribute)(module)
     except AttributeError as error:
         raise InputError(f"policy {name!r}: module {module_name} has no {attribute!r}") from error
-    return found
 
 
 def _imported(name: str, module_name: str) -> Any:

@@ -61,12 +61,7 @@ def renamed_parameters(kind: Any) -> Names:
 
 
 def with_present_names(given: Mapping[str, Any], names: Mapping[str, Sequence[str]], what: str) -> dict[str, Any]:
-    """Return the parameters given to ``what`` by their present names.
-
-    Raises:
-        InputError: a parameter is given by both names.
-
-    """
+    """Return the parameters of ``what`` by their present names; raise :class:`InputError` if one is given by both."""
     found = {name: value for name, value in given.items() if name not in names}
     for old in (name for name in given if name in names):
         if twice := [name for name in names[old] if name in found]:

@@ -24,7 +24,7 @@ MESSAGE_LIMIT = 16
 
 
 def message_numbers(message: Message) -> Message:
-    """Return the numbers of a message as plain ones, None for no message.
+    """Return a message as Python floats, None for no message.
 
     Raises:
         InputError: there are too many.
@@ -55,14 +55,14 @@ class Mate(NamedTuple):
 
 @dataclass(frozen=True)
 class LiveArray:
-    """Marks a field of :class:`View` that is an array of the world's; its annotation is all that has to be said of it.
+    """Annotation of a field of :class:`View` that is one of the world's arrays.
 
     Such fields reach the process of an isolated policy through shared memory, all others as plain values.
     """
 
     dtype: type[np.generic]
     shape: tuple[int, ...] | None = None
-    """None for that of the map, (H, W)."""
+    """None for the shape of the map, (H, W)."""
     uncertain: bool = False
     """Whether the field is None where maps are certain."""
 
@@ -74,7 +74,7 @@ class LiveArray:
 class View(NamedTuple):
     """The knowledge of one UAV at a step.
 
-    Each field is declared here alone: how views are shared with other processes and compared follows from this class.
+    Sharing views with other processes and comparing them follows from the declarations of this class.
     """
 
     belief: Annotated[Belief, LiveArray(np.uint8)]
@@ -120,11 +120,11 @@ def _live_arrays() -> dict[str, LiveArray]:
 LIVE_ARRAYS: Final = _live_arrays()
 PLAIN_FIELDS: Final = tuple(name for name in View._fields if name not in LIVE_ARRAYS)
 
-#: The arrays of a view as a tuple, in the order of LIVE_ARRAYS; None for one that is not there.
+#: The arrays of a view as a tuple, in the order of LIVE_ARRAYS; None for an absent one.
 Arrays = tuple[NDArray[Any] | None, ...]
 #: Returns the arrays of a view.
 arrays_of: Callable[[View], Arrays] = itemgetter(*map(View._fields.index, LIVE_ARRAYS))
-#: Returns all else that a view tells, in the order of PLAIN_FIELDS.
+#: Returns the other fields of a view, in the order of PLAIN_FIELDS.
 values_of: Callable[[View], tuple[Any, ...]] = itemgetter(*map(View._fields.index, PLAIN_FIELDS))
 
 _in_order: Callable[[tuple[Any, ...]], Any] = itemgetter(*map((*LIVE_ARRAYS, *PLAIN_FIELDS).index, View._fields))
@@ -150,8 +150,8 @@ class Briefing:
     lidar_range: float
     """Lidar range in cells."""
     scenario: Scenario
-    """The whole task with the goal coverage to aim at; only privileged policies are told the names of map files, and
-    which UAVs are to stop when."""
+    """The whole task with the goal coverage; the names of map files and the listed failures are included for privileged
+    policies alone."""
     rng: np.random.Generator = field(repr=False)
     """The pilot's own random generator."""
     truth: Belief | None = field(default=None, repr=False)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-#: Colours of a palette, one less than a GIF has, which is left for what does not change; and how many are exact.
+#: Colours of a palette, one less than a GIF has, whose last one marks unchanged pixels; and the number of exact ones.
 COLOURS, EXACT = 255, 64
 
 Picture = NDArray[np.uint8]
@@ -43,7 +43,7 @@ class Palette:
             self._index[colours] = self._nearest(_rgb(colours))
             indices = self._index[codes]
         image = Image.fromarray(indices)
-        image.putpalette(self._entries.tobytes())  # which makes indices of its greys
+        image.putpalette(self._entries.tobytes())  # grey values become indices
         return image
 
     def _nearest(self, colours: Picture) -> NDArray[np.intp]:

@@ -113,7 +113,7 @@ def _panels(main: Box, shape: tuple[int, int], grid: _Grid, count: int) -> Itera
 
 
 def _framed(main: Box, panels: tuple[Box, ...], missing: int) -> FrameLayout:
-    """Put margins around, and centre what is narrower than a caption."""
+    """Add margins, and centre a picture that is narrower than a caption."""
     boxes = (main, *panels)
     width = max(box.left + box.width for box in boxes) + MARGIN
     height = max(box.top + box.height for box in boxes) + (FOOTER if missing else 0) + MARGIN

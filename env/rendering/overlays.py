@@ -26,11 +26,11 @@ class Chart:
     inside: Canvas
     """The map's own pixels: trails, links and reach end at its border."""
     around: Canvas
-    """With ``OVERHANG`` more on each side: discs and labels may stand out."""
+    """The map with ``OVERHANG`` more pixels on each side for discs and labels."""
     cell: float
     """Pixels of a cell."""
     least: float
-    """Pixels of a UAV's radius at least."""
+    """Least radius of a UAV in pixels."""
 
     @property
     def radius(self) -> float:
@@ -81,7 +81,7 @@ def mate(chart: Chart, cell: Cells, colour: Colour, agent: int, age: int, *, sma
 
 
 def label(chart: Chart, cells: Cells, agent: int, text: str) -> None:
-    """Write below a UAV how it ended, or above it where another one of ``cells`` (N, 2) or the border is in the way."""
+    """Write ``text`` below a UAV, or above it if another one of ``cells`` (N, 2) or the border is in the way."""
     x, y = chart.outer(cells[agent])
     height, width = chart.around.shape[:2]
     half, away = text_width(text, 12) / 2 + 6, chart.radius + 12
@@ -94,10 +94,7 @@ def label(chart: Chart, cells: Cells, agent: int, text: str) -> None:
 
 
 def trail(chart: Chart, cells: Cells, colour: Colour, lane: float) -> None:
-    """Draw where a UAV has been, (K, 2) cells, thinner and fainter the longer ago.
-
-    ``lane`` shifts the line by that share of a cell, so that UAVs that follow each other do not hide their trails.
-    """
+    """Draw a UAV's past (K, 2) cells, older ones thinner and fainter; ``lane`` shifts the line by a share of a cell."""
     moved = np.flatnonzero((cells[1:] != cells[:-1]).any(axis=1))
     if not len(moved):
         return
@@ -108,7 +105,7 @@ def trail(chart: Chart, cells: Cells, colour: Colour, lane: float) -> None:
 
 
 def links(chart: Chart, cells: Cells, linked: NDArray[np.bool_]) -> None:
-    """Draw a line between those of ``cells`` (M, 2) that are in radio contact; fainter where there are many."""
+    """Draw a line between ``cells`` (M, 2) in radio contact, ``linked`` (M, M); many lines are fainter."""
     pairs = np.argwhere(np.triu(linked, 1))
     strength = 1.0 / max(1.0, len(pairs) / max(4.0 * len(cells), 24.0)) ** 0.5
     lines = [[chart.centre(cells[one]) for one in pair] for pair in pairs.tolist()]
@@ -119,12 +116,12 @@ def links(chart: Chart, cells: Cells, linked: NDArray[np.bool_]) -> None:
 
 
 def lidar_reach(chart: Chart, cell: Cells, reach: float, colour: Colour) -> None:
-    """Outline how far a lidar of range ``reach`` cells sees."""
+    """Outline the range of a lidar, ``reach`` in cells."""
     ring(chart.inside, chart.centre(cell), reach * chart.cell, colour, 1.4, 0.7)
 
 
 def radio_reach(chart: Chart, cell: Cells, model: str, reach: float, colour: Colour) -> None:
-    """Outline, dashed, how far a radio reaches in the open; ``none`` and ``unlimited`` have no outline."""
+    """Outline, dashed, a radio's range in open space; ``none`` and ``unlimited`` have no outline."""
     if model == "square":
         side = (reach + 0.5) * chart.cell
         corners = np.array([(-side, -side), (side, -side), (side, side), (-side, side), (-side, -side)])

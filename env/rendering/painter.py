@@ -25,12 +25,11 @@ from indoor_explorers.env.rendering.palette import (
     paler,
     uav_colours,
 )
-from indoor_explorers.env.rendering.primitives import Canvas, disc, fitting, stroke, text_width, write
-from indoor_explorers.env.rendering.resample import resample
+from indoor_explorers.env.rendering.primitives import Canvas, disc, fitting, resample, stroke, text_width, write
 from indoor_explorers.env.rendering.scene import Scene, with_base
 from indoor_explorers.env.simulation.state import End
 
-#: How strongly the cells in view take on the colour of the UAVs that see them.
+#: Opacity of the UAVs' colours on the cells in view.
 TINT = 0.25
 #: Largest teams whose lidar and radio reach are outlined, whose mates are numbered on own maps, and whose ends are
 #: written beside the UAVs.
@@ -66,7 +65,7 @@ def paint(scene: Scene) -> NDArray[np.uint8]:
 
 
 def paint_team_map(canvas: Canvas, box: Box, scene: Scene) -> None:
-    """Paint the true map, dimmed where the team does not know it, with all that happens in it, into a box."""
+    """Paint the team's map of a scene into a box: the true map, dimmed where unknown, UAVs, trails and links."""
     _team_map(canvas, box, scene, _colours(scene))
 
 
@@ -77,9 +76,9 @@ def ended_early(scene: Scene) -> Mask:
 
 
 def nearest_links(scene: Scene) -> Mask:
-    """Return (N, N) the links that no third UAV shortens, being linked to both ends and nearer to either.
+    """Return (N, N) the links without a third UAV that is linked to both ends and nearer to either.
 
-    They join the same UAVs (Toussaint's relative neighbourhood graph, 1980), and are few enough to be told apart.
+    They connect the same UAVs by fewer lines (Toussaint's relative neighbourhood graph, 1980).
     """
     away = ((scene.cells[:, None] - scene.cells) ** 2).sum(axis=2)
     away[~scene.linked] = np.iinfo(away.dtype).max
@@ -89,7 +88,7 @@ def nearest_links(scene: Scene) -> Mask:
     return kept
 
 
-def percent(share: float) -> str:
+def floored_percent(share: float) -> str:
     """Return a share in percent, rounded down, so that 100.0% is all of it."""
     return f"{np.floor(1000 * share + 1e-9) / 10:.1f}%"
 
@@ -105,9 +104,9 @@ def _caption(canvas: Canvas, layout: FrameLayout, scene: Scene) -> None:
     left, right = MARGIN, layout.width - MARGIN
     ends = {End(int(end)) for end in scene.ends}
     over = "" if End.FLYING in ends else f"ended: {', '.join(ENDS[end] for end in sorted(ends))}  \u00b7  "
-    facts = f"{over}step {scene.step:,} / {scene.budget:,}  \u00b7  coverage {percent(scene.coverage)}"
+    facts = f"{over}step {scene.step:,} / {scene.budget:,}  \u00b7  coverage {floored_percent(scene.coverage)}"
     if scene.base is not None:
-        facts += f", at the base {percent(scene.base_coverage)}"
+        facts += f", at the base {floored_percent(scene.base_coverage)}"
     line = MARGIN + 10
     write(canvas, (right, line), facts, 15, INK, anchor=1.0)
     room = right - left - text_width(facts, 15) - 24
@@ -119,10 +118,10 @@ def _caption(canvas: Canvas, layout: FrameLayout, scene: Scene) -> None:
 
 
 def _team_map(canvas: Canvas, box: Box, scene: Scene, colours: NDArray[np.uint8]) -> None:
-    """Paint the true map, dimmed where the team does not know it, and everything that happens in it.
+    """Paint the true map, dimmed where the team does not know it, UAVs, trails and links.
 
-    Where a prior map differs from what is dimmed, walls that only one of both has have a colour of their own, and so
-    have cells that the team's map shows wrongly.
+    Wrong cells of the team's map, and unknown walls that only the true or only the prior map has, have their own
+    colours.
     """
     known = scene.union != UNKNOWN
     ground = np.take(np.concatenate((HIDDEN, KNOWN)), scene.truth + 3 * known, axis=0)
@@ -147,7 +146,7 @@ def _team_map(canvas: Canvas, box: Box, scene: Scene, colours: NDArray[np.uint8]
     for agent in np.flatnonzero(ended_early(scene)).tolist() if scene.team <= LABELLED else ():
         end = End(int(scene.ends[agent]))
         overlays.label(chart, scene.cells, agent, f"{agent}: {ENDS[end]}" if end == End.STOPPED else ENDS[end])
-    for agent in np.argsort(flying, kind="stable").tolist():  # those that fly last, on top
+    for agent in np.argsort(flying, kind="stable").tolist():  # flying UAVs last, on top
         overlays.uav(chart, scene.cells[agent], colours[agent], agent)
         if scene.ends[agent] == End.STOPPED:
             overlays.stopped(chart, scene.cells[agent])

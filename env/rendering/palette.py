@@ -1,9 +1,8 @@
-"""Colours: the map in greys, the UAVs in hues that stay apart for colour-blind readers too.
+"""Colours: the map in greys, the UAVs in hues that colour-blind readers can distinguish.
 
-The first UAVs have the colours of Okabe and Ito (2008) as the report's figures have them, without the yellow,
-which vanishes on white. The others are chosen one by one, each as far as can be from all before it in
-Oklab (Ottosson 2020), the nearer of normal sight and of red- and green-blindness as Vienot, Brettel and
-Mollon (1999) simulate them.
+The first UAVs have the colours of Okabe and Ito (2008) as in the report's figures, without yellow, which vanishes on
+white. Each further colour has the largest distance in Oklab (Ottosson 2020) to all before it, the minimum over normal
+sight and red- and green-blindness as simulated by Vienot, Brettel and Mollon (1999).
 """
 
 from __future__ import annotations
@@ -73,7 +72,7 @@ def ink_on(colour: NDArray[np.uint8]) -> tuple[int, int, int]:
 
 
 def _candidates() -> NDArray[np.uint8]:
-    """Return (M, 3) uint8 RGB colours of medium lightness that are no greys."""
+    """Return (M, 3) uint8 RGB colours of medium lightness and chroma."""
     levels = np.arange(0, 256, 15)
     rgb = np.stack(np.meshgrid(levels, levels, levels, indexing="ij"), axis=-1).reshape(-1, 3).astype(np.uint8)
     lightness, a, b = _seen(rgb)[0].T

@@ -1,10 +1,11 @@
-"""Anti-aliased drawing primitives: strokes, rings and letters, blended by the share of a pixel that they cover.
+"""Anti-aliased drawing primitives: strokes, rings, letters and maps, blended by the share of a pixel that they cover.
 
-Images are (h, w, 3) uint8, changed in place, and may be a window on a larger one; what lies outside is cut off.
+Images are (h, w, 3) uint8, changed in place, and may be a window on a larger one; pixels outside are cut off.
 Places are (x, y) in pixels from the upper left corner, so that the centre of the first pixel is (0.5, 0.5).
 
 The drawing is compiled: Pillow's ImageDraw at four times the size, reduced, needs 51 instead of 6 ms for a frame of
-four UAVs with their own maps, and 28 instead of 3 ms for one of ``office``.
+four UAVs with their own maps, and 28 instead of 3 ms for one of ``office``. At scales that are no whole number, numpy's
+cumulative sums need 5 to 14 times as long as :func:`resample`.
 """
 
 from __future__ import annotations
@@ -68,11 +69,11 @@ def text_width(text: str, size: float) -> int:
 
 @lru_cache(maxsize=2048)
 def letters(text: str, size: int) -> NDArray[np.uint8]:
-    """Return how much a line of text covers of each pixel, (h, w) uint8; h is that of the font's capitals."""
+    """Return (h, w) uint8 coverage of each pixel by a line of text; h is that of the font's capitals."""
     font = ImageFont.load_default(size)
     left, _, right, _ = font.getbbox(text) if text else (0, 0, 0, 0)
     _, top, _, bottom = font.getbbox("H0")
-    margin = size // 3  # room for what hangs below the line
+    margin = size // 3  # for descenders
     picture = Image.new("L", (max(round(right - left), 1), round(bottom - top) + 2 * margin))
     ImageDraw.Draw(picture).text((-left, margin - top), text, fill=255, font=font)
     mask = np.array(picture)
@@ -134,3 +135,44 @@ def _stamp(canvas: np.ndarray, mask: np.ndarray, left: int, top: int, colour: np
         for x in range(max(-left, 0), min(mask.shape[1], canvas.shape[1] - left)):
             if mask[y, x]:
                 _blend(canvas, top + y, left + x, colour, mask[y, x] / 255.0)
+
+
+def resample(cells: NDArray[np.uint8], out: NDArray[np.uint8]) -> None:
+    """Fill ``out`` (h, w, 3) uint8: a pixel has the mean colour of the ``cells`` (H, W, 3) uint8 under it."""
+    _lay(np.ascontiguousarray(cells), out, *_spans(cells.shape[0], out.shape[0]), *_spans(cells.shape[1], out.shape[1]))
+
+
+def _spans(cells: int, pixels: int) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Return the first and last cell under each pixel (pixels, 2) and how much of those two it covers (pixels, 2)."""
+    edges = np.arange(pixels + 1) * (cells / pixels)
+    edges = np.where(np.abs(edges - np.rint(edges)) < 1e-6, np.rint(edges), edges)
+    first = np.floor(edges[:-1]).astype(np.int64)
+    last = np.maximum(np.minimum(np.ceil(edges[1:]).astype(np.int64) - 1, cells - 1), first)
+    head = np.minimum(first + 1, edges[1:]) - edges[:-1]
+    return np.stack((first, last), axis=1), np.stack((head, edges[1:] - last), axis=1)
+
+
+@kernel()
+def _lay(
+    cells: np.ndarray, out: np.ndarray, rows: np.ndarray, down: np.ndarray, cols: np.ndarray, across: np.ndarray
+) -> None:
+    for y in range(out.shape[0]):
+        top, bottom = rows[y, 0], rows[y, 1]
+        for x in range(out.shape[1]):
+            left, right = cols[x, 0], cols[x, 1]
+            if top == bottom and left == right:
+                for k in range(3):
+                    out[y, x, k] = cells[top, left, k]
+                continue
+            red, green, blue, whole = 0.0, 0.0, 0.0, 0.0
+            for r in range(top, bottom + 1):
+                high = down[y, 0] if r == top else (down[y, 1] if r == bottom else 1.0)
+                for c in range(left, right + 1):
+                    share = high * (across[x, 0] if c == left else (across[x, 1] if c == right else 1.0))
+                    red += share * cells[r, c, 0]
+                    green += share * cells[r, c, 1]
+                    blue += share * cells[r, c, 2]
+                    whole += share
+            out[y, x, 0] = np.uint8(red / whole + 0.5)
+            out[y, x, 1] = np.uint8(green / whole + 0.5)
+            out[y, x, 2] = np.uint8(blue / whole + 0.5)

@@ -31,25 +31,25 @@ class Renderer:
                 trails.restart(cells)
 
     def begun(self, episode: int) -> None:
-        """Note that an episode has begun, and show it if there is a window."""
+        """Start the trails of an episode that has begun, and show it in the window, if any."""
         if self._trails:
             self._trails[episode].restart(self._world.state.cell[episode])
         if self._window is not None:
             self._window.show(self.picture(episode))
 
     def stepped(self) -> None:
-        """Note that a step has been flown, and show it if there is a window."""
+        """Extend the trails after a step, and show the first episode in the window, if any."""
         for trails, cells in zip(self._trails, self._world.state.cell, strict=False):
             trails.add(cells)
         if self._window is not None:
             self._window.show(self.picture(0))
 
     def picture(self, episode: int) -> NDArray[np.uint8]:
-        """Return the present moment of one episode, (h, w, 3) uint8."""
+        """Return the picture of one episode now, (h, w, 3) uint8."""
         return paint(scene_of(self._world, episode, self._trails[episode]))
 
     def render(self) -> NDArray[np.uint8] | None:
-        """Return a picture (h, w, 3) of the first episode, or show it in the window, or do nothing."""
+        """Return a picture (h, w, 3) uint8 of the first episode, or show it in the window, or return None."""
         if self._window is not None:
             self._window.show(self.picture(0))
             return None

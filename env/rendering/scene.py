@@ -21,7 +21,7 @@ TRAIL_LENGTHS = (40, 400)
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Scene:
-    """One moment of an episode with N UAVs on a map of H x W cells; arrays may be live, copy them to keep them."""
+    """The drawn state of an episode with N UAVs on a map of H x W cells; arrays may be live, copy them to keep them."""
 
     truth: NDArray[np.uint8]
     """(H, W) the true map: 1 free, 2 occupied."""
@@ -101,7 +101,7 @@ class Trails:
 
 
 def scene_of(world: World, episode: int, trails: Trails | None = None, title: str | None = None) -> Scene:
-    """Return the present moment of one episode; ``title`` is the scenario's name when it is left out."""
+    """Return the scene of one episode now; the default ``title`` is the scenario's name."""
     state, scenario = world.state, world.scenario
     heard_cell, heard_age = _heard(world, episode)
     base = state.base_cell[episode] if scenario.base.exists else None
@@ -131,20 +131,20 @@ def scene_of(world: World, episode: int, trails: Trails | None = None, title: st
 
 
 def with_base(linked: Mask, leads: Mask) -> Mask:
-    """Return the links (N + 1, N + 1) of UAVs (N, N) and of the home base, which comes last and leads to some (N,)."""
+    """Return the links (N + 1, N + 1) of UAVs (N, N) and, last, of the home base to the UAVs ``leads`` (N,)."""
     linked = np.pad(linked, (0, 1))
     linked[-1, :-1] = linked[:-1, -1] = leads
     return linked
 
 
 def base_links(linked: Mask, contact: Mask, cells: NDArray[np.int64], base: NDArray[np.int64]) -> Mask:
-    """Return (N,) the UAVs that a link to the home base is drawn from: of each group in contact with it the nearest.
+    """Return (N,) bool: the nearest UAV of each group in contact with the home base, from which a link is drawn.
 
     Args:
         linked: (N, N) UAVs in direct radio contact.
         contact: (N,) UAVs in contact with the base, directly or through others.
-        cells: (N, 2) where they are.
-        base: (2,) where the base is.
+        cells: (N, 2) of the UAVs.
+        base: (2,) cell of the base.
 
     """
     from scipy.sparse.csgraph import connected_components  # here, since it takes long to import
@@ -174,7 +174,7 @@ def _in_view(world: World, episode: int) -> Mask:
 
 
 def _is_ahead(shape: tuple[int, ...], cell: tuple[int, int], heading: int, degrees: float) -> Mask:
-    """Return the (H, W) mask of the cells in a field of view, as the world's scans have it: all neighbours are."""
+    """Return the (H, W) mask of the cells in a field of view of ``degrees``, which includes all neighbours."""
     rows, cols = np.indices(shape) - np.reshape(cell, (2, 1, 1))
     cosine = np.cos(np.radians(degrees / 2)) - 1e-9
     near = np.maximum(abs(rows), abs(cols)) <= 1

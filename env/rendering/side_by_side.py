@@ -1,4 +1,4 @@
-"""Paint the flights of several policies side by side: what each team knows, and its coverage so far below."""
+"""Paint the flights of several policies side by side: each team's map with a chart of its coverage."""
 
 from __future__ import annotations
 
@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.cells import FREE
 from indoor_explorers.env.rendering.layout import GAP, MARGIN, Box, cell_size
-from indoor_explorers.env.rendering.painter import paint_team_map, percent
+from indoor_explorers.env.rendering.painter import floored_percent, paint_team_map
 from indoor_explorers.env.rendering.palette import BAR, FAINT, HAIRLINE, INK, TROUGH
 from indoor_explorers.env.rendering.primitives import Canvas, disc, fitting, stroke, text_width, write
 from indoor_explorers.env.rendering.scene import Scene
+from indoor_explorers.env.search.connected_parts import extent
 
 #: The most flights in a picture.
 MOST = 6
@@ -25,7 +26,7 @@ LEVELS = (0.5, 0.9)
 
 
 class SideBySide(NamedTuple):
-    """One policy's flight at one moment."""
+    """One policy's flight at one step."""
 
     name: str
     """Of the policy."""
@@ -35,7 +36,7 @@ class SideBySide(NamedTuple):
 
 
 def paint_side_by_side(flights: Sequence[SideBySide], longest: int) -> NDArray[np.uint8]:
-    """Return a picture (h, w, 3) uint8 of flights over maps of one size; the charts reach to step ``longest``."""
+    """Return a picture (h, w, 3) uint8 of flights over maps of one size; the charts end at step ``longest``."""
     flights = [flight._replace(scene=_cropped(flight.scene)) for flight in flights]
     tall, wide = flights[0].scene.shape
     cell = cell_size(SIDE / max(tall, wide))
@@ -54,10 +55,10 @@ def paint_side_by_side(flights: Sequence[SideBySide], longest: int) -> NDArray[n
 
 
 def _cropped(scene: Scene) -> Scene:
-    """Return a scene without what is solid all around."""
-    rows, cols = (np.flatnonzero((scene.truth == FREE).any(axis=axis)) for axis in (1, 0))
-    top, left = max(0, rows[0] - 1), max(0, cols[0] - 1)
-    window = np.s_[..., top : rows[-1] + 2, left : cols[-1] + 2]
+    """Return a scene without the solid cells around its free cells."""
+    rows, cols = extent(scene.truth == FREE)
+    top, left = max(0, rows.start - 1), max(0, cols.start - 1)
+    window = np.s_[..., top : rows.stop + 1, left : cols.stop + 1]
     return replace(
         scene,
         truth=scene.truth[window],
@@ -67,12 +68,12 @@ def _cropped(scene: Scene) -> Scene:
         trails=scene.trails - (top, left),
         heard_cell=scene.heard_cell - (top, left),
         prior=None if scene.prior is None else scene.prior[window],
-        base=None if scene.base is None else (scene.base[0] - int(top), scene.base[1] - int(left)),
+        base=None if scene.base is None else (scene.base[0] - top, scene.base[1] - left),
     )
 
 
 def _columns(count: int, height: int, width: int) -> int:
-    """Return the columns for which the picture is nearest to three by two."""
+    """Return the number of columns for which the picture's aspect ratio is nearest to 3:2."""
 
     def lopsided(columns: int) -> float:
         rows = -(-count // columns)
@@ -82,7 +83,7 @@ def _columns(count: int, height: int, width: int) -> int:
 
 
 def _title(canvas: Canvas, top: int, left: int, width: int, flight: SideBySide) -> None:
-    facts = percent(flight.coverage[-1])
+    facts = floored_percent(flight.coverage[-1])
     line = top + TITLE / 2 - 2
     write(canvas, (left + width, line), facts, 15, INK, anchor=1.0)
     write(canvas, (left, line), fitting(flight.name, 15, width - text_width(facts, 15) - 10), 15, INK, anchor=0.0)
@@ -95,7 +96,7 @@ def _chart(canvas: Canvas, box: Box, flight: SideBySide, longest: int) -> None:
     for level in LEVELS:
         line = bottom - level * height
         stroke(canvas, [(left, line), (left + width, line)], TROUGH, 1)
-        write(canvas, (left, line - 7), percent(level).replace(".0", ""), 11, FAINT, anchor=0.0)
+        write(canvas, (left, line - 7), floored_percent(level).replace(".0", ""), 11, FAINT, anchor=0.0)
     stroke(canvas, [(left, bottom), (left + width, bottom)], HAIRLINE, 1)
     steps = np.arange(len(flight.coverage)) / longest
     points = np.column_stack((left + 2 + steps * (width - 4), bottom - np.array(flight.coverage) * height))

@@ -1,4 +1,4 @@
-"""Keep pictures in a file: a still (PNG), a short loop (GIF), or a video (MP4, which needs the extra ``render``)."""
+"""Write pictures to a file: a still (PNG), a short loop (GIF), or a video (MP4, which needs the extra ``render``)."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from indoor_explorers.env.errors import InputError, RunError, did_you_mean
 from indoor_explorers.env.files import expanded, written_whole
 from indoor_explorers.env.rendering.indexed import Palette
 
-#: The most frames of a video, by ending; of longer episodes every second, fourth, ... moment is kept.
+#: The most frames of a video, by ending; of longer episodes every second, fourth, ... frame is kept.
 FRAMES = {".png": 1, ".gif": 240, ".mp4": 1800}
-#: Frames a second when nothing else is asked for: a video then lasts ``SECONDS``, within these bounds.
+#: Bounds of the default frames a second, for which a video lasts ``SECONDS``.
 FPS, SECONDS = (8, 25), 30
 #: Seconds that a GIF rests on its last frame.
 REST = 2.0
@@ -30,11 +30,9 @@ Picture = NDArray[np.uint8]
 
 
 class VideoWriter:
-    """Collect the moments of an episode and write them to one file, whole or not at all.
+    """Collect the frames of an episode and write them to one file, whole or not at all.
 
-    Frames are held compressed, and no more than the file may have, so an episode may be of any length.
-
-    ``most`` limits the number of frames further.
+    Frames are stored compressed and thinned to the limit of the file type, and to ``most`` if given.
 
     Raises:
         InputError: the ending is none of ``FRAMES``, the folder cannot be written, or the encoder is missing.
@@ -51,7 +49,7 @@ class VideoWriter:
         self._moments, self._stride = 0, 1
 
     def add(self, picture: Callable[[], Picture], *, last: bool = False) -> None:
-        """Take the next moment; ``picture`` is called if it is kept, as the ``last`` one always is."""
+        """Add the next frame; ``picture`` is called only if the frame is kept, as the ``last`` one always is."""
         if last or (self._moments % self._stride == 0 and self._limit > 1):
             frame = picture()
             self._shape = frame.shape
@@ -79,7 +77,7 @@ class VideoWriter:
         """Write the file; ``progress`` is called with the number of frames written so far.
 
         Raises:
-            RunError: it could not be written; what was there before is as it was.
+            RunError: the file could not be written; an earlier one is unchanged.
 
         """
         writer = {".png": _write_png, ".gif": _write_gif, ".mp4": _write_mp4}[self._kind]

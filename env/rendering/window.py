@@ -14,17 +14,17 @@ from indoor_explorers.env.errors import InputError
 
 #: Share of the screen that a new window takes at most.
 SCREEN_SHARE = 0.9
-#: SDL's drivers that show nothing: fine when they were asked for, else a sign that there is no display.
+#: SDL's drivers without a display; accepted only if requested.
 BLIND = ("dummy", "offscreen")
-#: What to do without a display.
+#: The advice for a missing display.
 WITHOUT = "use render_mode='rgb_array', or set SDL_VIDEODRIVER=dummy to draw where nobody looks"
 
 
 class Window:
     """Show (h, w, 3) uint8 pictures, at most ``fps`` a second.
 
-    It opens with the first picture. The close button and Esc close it for good: what comes later is not shown.
-    pygame has one window in a process; a second one takes its place.
+    It opens with the first picture. The close button and Esc close it permanently. pygame has one window in a process;
+    a second one replaces it.
 
     Raises:
         InputError: pygame is not installed, or there is no display.
@@ -32,7 +32,7 @@ class Window:
     """
 
     def __init__(self, title: str, fps: float, instead: str = WITHOUT) -> None:
-        """Prepare a window; errors tell what to do ``instead`` where there is no display."""
+        """Prepare a window; ``instead`` is the advice in the error for a missing display."""
         self._pygame = load_pygame()
         self._title = title
         self._fps = fps
@@ -46,7 +46,7 @@ class Window:
             raise self._no_display("neither DISPLAY nor WAYLAND_DISPLAY is set")
 
     def __reduce__(self) -> tuple[Any, ...]:
-        made_anew = Window, (self._title, self._fps, self._instead)  # as what pygame holds cannot be copied
+        made_anew = Window, (self._title, self._fps, self._instead)  # pygame's objects cannot be copied
         return *made_anew, {"closed": self.closed}
 
     def show(self, picture: NDArray[np.uint8]) -> None:
@@ -70,13 +70,13 @@ class Window:
         self._clock.tick(self._fps)
 
     def linger(self, picture: NDArray[np.uint8]) -> None:
-        """Show a picture (h, w, 3) until the window is closed; return at once where there is no window to see."""
+        """Show a picture (h, w, 3) until the window is closed; return at once if there is no visible window."""
         self.show(picture)
         while not self.closed and self._pygame.display.get_driver() not in BLIND:
             self.show(picture)
 
     def close(self) -> None:
-        """Close the window; another picture opens it again unless the user has closed it."""
+        """Close the window; the next picture opens it again unless the user has closed it."""
         if self._clock is not None:
             self._pygame.display.quit()
         self._clock = None
@@ -101,7 +101,7 @@ class Window:
         return InputError(f"expected a display to open a window on, got none ({reason}); {self._instead}")
 
     def _heed(self) -> None:
-        """Handle events: close when the user asks for it."""
+        """Close the window on a quit event or Esc."""
         pygame = self._pygame
         for event in pygame.event.get() if self._clock is not None else ():
             if event.type == pygame.QUIT or (event.type == pygame.KEYDOWN and event.key == pygame.K_ESCAPE):
@@ -111,12 +111,7 @@ class Window:
 
 
 def load_pygame() -> Any:
-    """Import pygame, quietly.
-
-    Raises:
-        InputError: it is not installed.
-
-    """
+    """Import pygame without its messages; raise :class:`InputError` if it is not installed."""
     os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
     try:
         with warnings.catch_warnings():

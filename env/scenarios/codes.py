@@ -1,4 +1,4 @@
-"""The choices of a scenario that compiled code knows by number: their names in TOML, and their codes."""
+"""Settings of a scenario that compiled code represents by numbers: their names in TOML, and their codes."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ StuckRuleName = Literal["off", "no-discovery", "oscillation"]
 
 
 class _Code(IntEnum):
-    """A choice; the member ``LINE_OF_SIGHT`` is called ``line-of-sight`` in a scenario."""
+    """A setting's code; the name of ``LINE_OF_SIGHT`` in a scenario is ``line-of-sight``."""
 
     @classmethod
     def named(cls, name: str) -> Self:

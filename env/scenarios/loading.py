@@ -32,9 +32,8 @@ def load_scenario(path: str | Path) -> Scenario:
 
 
 def scenario_for_comparison(table: Mapping[str, Any], where: str, folder: Path) -> Scenario:
-    """Return the scenario of a table of an experiment as comparisons fly it.
+    """Return the scenario of an experiment's table, with the settings of :data:`COMPARED` that the table leaves out.
 
-    Settings that the table states are kept. The other settings of :data:`COMPARED` are set as comparisons need them.
     The arguments are those of :func:`scenario_from_table`.
     """
     stated = _flattened(table)
@@ -46,9 +45,9 @@ def scenario_from_table(table: Mapping[str, Any], where: str, folder: Path) -> S
     """Build a scenario from a TOML table, which may name a ``preset`` to start from.
 
     Args:
-        table: the settings; a setting that is left out has the preset's value, or the default.
-        where: what errors call the table.
-        folder: the folder that paths of map files are relative to.
+        table: The settings; others have the preset's value, or the default.
+        where: The name of the table in errors.
+        folder: The folder that paths of map files are relative to.
 
     """
     data = dict(table)

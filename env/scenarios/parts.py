@@ -1,9 +1,9 @@
-"""The parts of a scenario: groups of settings."""
+"""The groups of a scenario's settings."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
@@ -11,19 +11,36 @@ from indoor_explorers.env.plugins import LIDARS, RADIOS, load_plugin
 from indoor_explorers.env.scenarios.codes import LIDAR_MODELS, RADIO_MODELS, StuckRuleName
 
 
-class Part(BaseModel):
+class SettingsGroup(BaseModel):
     """A frozen group of settings, which refuses unknown ones."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, use_attribute_docstrings=True)
 
 
-def _refuse_uncallable(plugin: Any, name: str) -> None:
-    if plugin is not None and not callable(plugin):
-        raise ValueError(f"{name}: expected a function, got {type(plugin).__name__}")
+class _Sensor(SettingsGroup):
+    """A group of settings whose ``model`` is one of this package or a plug-in's function."""
+
+    model: str
+    _GROUP: ClassVar[str]
+    _WHAT: ClassVar[str]
+    _OWN: ClassVar[tuple[str, ...]]
+
+    @property
+    def custom(self) -> Callable[..., Any] | None:
+        """The function of a plug-in; None for a model of this package."""
+        return None if self.model in self._OWN else load_plugin(self._GROUP, self.model, self._WHAT, self._OWN)
+
+    @model_validator(mode="after")
+    def _callable(self) -> Self:
+        if self.custom is not None and not callable(self.custom):
+            raise ValueError(f"{self.model}: expected a function, got {type(self.custom).__name__}")
+        return self
 
 
-class Lidar(Part):
+class Lidar(_Sensor):
     """The range sensor."""
+
+    _GROUP, _WHAT, _OWN = LIDARS, "lidar model", LIDAR_MODELS
 
     model: str = "exact"
     """``exact``: line of sight (:mod:`indoor_explorers.env.sensing.shadowcasting`); ``marsexplorer``: the ancestor's
@@ -35,19 +52,11 @@ class Lidar(Part):
     neighbours all around. Below 360 a UAV has a heading, the direction of its last move, and one action more: ``turn``,
     clockwise by 90 degrees. Maps are then of log-odds, as with ``noise`` and ``drift``."""
 
-    @property
-    def custom(self) -> Callable[..., Any] | None:
-        """The function of a plug-in; None for a model of this package."""
-        return None if self.model in LIDAR_MODELS else load_plugin(LIDARS, self.model, "lidar model", LIDAR_MODELS)
 
-    @model_validator(mode="after")
-    def _known(self) -> Lidar:
-        _refuse_uncallable(self.custom, self.model)
-        return self
-
-
-class Radio(Part):
+class Radio(_Sensor):
     """Which UAVs are in radio contact; linked UAVs merge their maps and exchange positions and messages."""
+
+    _GROUP, _WHAT, _OWN = RADIOS, "radio model", RADIO_MODELS
 
     model: str = "none"
     """``none``; ``square``: Chebyshev distance at most ``range`` (the thesis); ``disc``: Euclidean; ``line-of-sight``:
@@ -65,18 +74,8 @@ class Radio(Part):
     loss: float = Field(0.0, ge=0.0, lt=1.0)
     """Probability that a contact fails in a step, drawn for each pair of UAVs and each step."""
 
-    @property
-    def custom(self) -> Callable[..., Any] | None:
-        """The function of a plug-in; None for a model of this package."""
-        return None if self.model in RADIO_MODELS else load_plugin(RADIOS, self.model, "radio model", RADIO_MODELS)
 
-    @model_validator(mode="after")
-    def _known(self) -> Radio:
-        _refuse_uncallable(self.custom, self.model)
-        return self
-
-
-class Rewards(Part):
+class Rewards(SettingsGroup):
     """The rewards of an agent; a step's reward is the sum of those that apply (thesis, Table 4.2, scenario 1)."""
 
     step: float = -0.5
@@ -95,7 +94,7 @@ class Rewards(Part):
     """Reaching the goal coverage."""
 
 
-class Stuck(Part):
+class Stuck(SettingsGroup):
     """When an agent without progress is ended."""
 
     rule: StuckRuleName = "off"
@@ -106,10 +105,10 @@ class Stuck(Part):
     """How often the most frequent of them must appear (the thesis's text: 20, its settings file: 10)."""
 
 
-class Failures(Part):
-    """UAVs that stop, and radios that are silent for a while; none by default.
+class Failures(SettingsGroup):
+    """UAVs that stop, and temporary radio failures; none by default.
 
-    A UAV that stops is gone, and what it alone knew is lost: coverage counts what the others know.
+    The cells that only a stopped UAV knew are lost: coverage counts the knowledge of the others.
     """
 
     hazard: float = Field(0.0, ge=0.0, lt=1.0)
@@ -117,13 +116,13 @@ class Failures(Part):
     stops: tuple[tuple[int, int], ...] = ()
     """Listed [UAV, step] pairs: that UAV stops in that step, the first of which is 1."""
     last_word: bool = False
-    """Whether a UAV that stops still exchanges what it knows with those in contact; if not, it stops silently."""
+    """Whether a UAV exchanges maps with the UAVs in contact once more in the step in which it stops."""
     reward: float = 0.0
     """Reward of a UAV that stops."""
     radio_hazard: float = Field(0.0, ge=0.0, lt=1.0)
     """Probability that a working radio fails in a step, drawn for each UAV and step."""
     radio_outage: int = Field(20, ge=1)
-    """Steps that a radio is silent then, this one included; it neither sends nor receives."""
+    """Duration of a radio failure in steps, including the first; the radio neither sends nor receives."""
 
     @property
     def any(self) -> bool:
@@ -131,11 +130,11 @@ class Failures(Part):
         return self.hazard > 0.0 or self.radio_hazard > 0.0 or bool(self.stops)
 
 
-class Base(Part):
-    """The home base, where reports count; none by default.
+class Base(SettingsGroup):
+    """The home base; none by default.
 
-    It has a radio like the UAVs' and stays where it is. UAVs in contact with it, directly or through teammates, report
-    what they know and learn what others have reported.
+    It has a fixed cell and a radio like the UAVs'. UAVs in contact with it, directly or through teammates, exchange
+    maps with it.
     """
 
     at: Literal["none", "start"] | tuple[int, int] = "none"
@@ -143,7 +142,7 @@ class Base(Part):
     radius: float = Field(1.5, ge=0.0)
     """Distance in cells within which a UAV is in contact whatever the radio."""
     must_return: bool = False
-    """Whether only what the base knows counts: coverage, and the goal."""
+    """Whether the coverage and the goal count only the cells that the base knows."""
 
     @property
     def exists(self) -> bool:
@@ -151,11 +150,10 @@ class Base(Part):
         return self.at != "none"
 
 
-class Prior(Part):
+class Prior(SettingsGroup):
     """The prior map that all UAVs are given before the episode; none by default.
 
-    It is made of the true map and the episode's seed alone. An outdated one differs from the true map in some places,
-    each drawn by itself.
+    It depends on the true map and the episode's seed alone. Each change of an outdated map is drawn independently.
     """
 
     kind: Literal["none", "right", "outdated"] = "none"
@@ -172,18 +170,18 @@ class Prior(Part):
     prior."""
 
 
-class Noise(Part):
+class Noise(SettingsGroup):
     """Errors of the lidar, drawn for each scan, UAV and cell; none by default.
 
-    Where there are any, UAVs scan in every step and keep maps of log-odds, which can be wrong.
+    With errors, UAVs scan in every step and keep maps of log-odds, which can be wrong.
     """
 
     misses: float = Field(0.0, ge=0.0, lt=0.5)
-    """Probability that an obstacle cell lets the beams of one scan through, as glass and black surfaces do."""
+    """Probability that one scan passes through an obstacle cell, as with glass and black surfaces."""
     false_returns: float = Field(0.0, ge=0.0, lt=0.5)
-    """Probability that a free cell returns the beams of one scan, as dust and reflections do."""
+    """Probability that one scan reads a free cell as an obstacle, as with dust and reflections."""
     range_std: float = Field(0.0, ge=0.0, le=10.0)
-    """Standard deviation of a normal error of the distance at which an obstacle is read, in cells."""
+    """Standard deviation of the normal error of an obstacle's distance, in cells."""
 
     @property
     def any(self) -> bool:
@@ -191,18 +189,18 @@ class Noise(Part):
         return self.misses > 0.0 or self.false_returns > 0.0 or self.range_std > 0.0
 
 
-class Drift(Part):
+class Drift(SettingsGroup):
     """Errors of the UAVs' pose estimates, which grow with the way flown; none by default.
 
-    Maps are then of log-odds, drawn where a UAV believes to be, and drawn again when its path is corrected.
+    Maps are then of log-odds: scans are drawn at the estimated pose, and drawn again when the path is corrected.
     """
 
     rate: float = Field(0.0, ge=0.0, le=0.5)
-    """Probability that a UAV slips by one cell in a random direction, for each cell flown, and does not notice."""
+    """Probability of an unnoticed slip by one cell in a random direction, for each cell flown."""
     closures: float = Field(1.0, ge=0.0, le=1.0)
-    """Loop closure: probability that a UAV recognises a cell in which it has been before, and takes the surer pose."""
+    """Loop closure: probability that a UAV recognises a visited cell and adopts the pose estimate of lower variance."""
     closure_gap: int = Field(20, ge=1)
-    """Steps that must lie between."""
+    """Least steps between the two visits of a loop closure."""
     mates: bool = True
-    """Whether a UAV that is linked to a teammate in sight takes the pose that follows from the teammate's, if that is
-    surer."""
+    """Whether a UAV that is linked to a visible teammate adopts the pose that follows from the teammate's, if that has
+    a lower variance."""

@@ -99,20 +99,20 @@ def _small(preset: Scenario, maps: MapSource) -> Scenario:
 
 
 def _with_base(preset: Scenario, team: int, budget: int) -> Scenario:
-    """Return a building in which only what the UAVs have reported home by the deadline counts."""
+    """Return a building in which only cells known to the home base within the budget count."""
     base = Base(at="start", must_return=True)
     name = f"{preset.name}-base-{team}"
     return preset.model_copy(update={"name": name, "team": team, "base": base, "budget": budget})
 
 
 def _with_errors(preset: Scenario) -> Scenario:
-    """Return a building in which the lidar misses, invents and misplaces obstacles, and pose estimates drift."""
+    """Return a building with lidar errors and drifting pose estimates."""
     noise = Noise(misses=0.05, false_returns=0.001, range_std=0.2)
     return preset.model_copy(update={"name": f"{preset.name}-errors", "noise": noise, "drift": Drift(rate=0.001)})
 
 
 def _with_camera(preset: Scenario) -> Scenario:
-    """Return a building that is seen by depth cameras, which look ahead."""
+    """Return a building for UAVs with forward depth cameras."""
     lidar = preset.lidar.model_copy(update={"field_of_view": 90.0})
     return preset.model_copy(update={"name": f"{preset.name}-camera", "lidar": lidar})
 

@@ -19,34 +19,33 @@ from indoor_explorers.env.scenarios.parts import (
     Failures,
     Lidar,
     Noise,
-    Part,
     Prior,
     Radio,
     Rewards,
+    SettingsGroup,
     Stuck,
 )
 from indoor_explorers.env.scenarios.validation import validated
 
-#: Steps that an episode without a budget has at least.
+#: The least number of steps of an episode without a given budget.
 LEAST_BUDGET = 200
 #: Settings of comparisons: episodes go on to full team coverage or the budget, and no UAV is ended as stuck.
 COMPARED: Mapping[str, Any] = {"goal": 1.0, "goal_of": "team", "denominator": "reachable", "stuck.rule": "off"}
-#: Settings that older fingerprints do not know; they count where they are not at their defaults.
+#: Settings that were added later; fingerprints include them only if they are not at their defaults.
 LATER = ("failures", "base", "prior", "noise", "drift", "lidar.field_of_view")
 
 
-class Scenario(Part):
+class Scenario(SettingsGroup):
     """Describe one task completely; equal scenarios have equal fingerprints."""
 
     name: str = Field("custom", min_length=1, max_length=80)
-    """Shown in tables and figures."""
+    """Name in tables and figures."""
     map: AnyMaps = ThesisMaps()
-    """Where maps come from; ``source`` may be a plug-in, ``module:Class``."""
+    """The source of maps; ``source`` may be a plug-in, ``module:Class``."""
     team: int = Field(1, ge=1, le=256)
     """UAVs."""
     spawn: Literal["random", "clustered"] | tuple[tuple[int, int], ...] = "random"
-    """Where UAVs start: in random cells, next to each other (at the map's start mark if it has one), or in listed (row,
-    column) cells."""
+    """Start cells: random, clustered (adjacent, at the map's start mark if any), or listed as (row, column)."""
     lidar: Lidar = Lidar()
     radio: Radio = Radio()
     rewards: Rewards = Rewards()
@@ -57,7 +56,7 @@ class Scenario(Part):
     noise: Noise = Noise()
     drift: Drift = Drift()
     on_collision: Literal["end", "block"] = "end"
-    """What a move into an obstacle or off the map does to the agent: ends it (the thesis) or costs the step."""
+    """Effect of a move into an obstacle or off the map: it ends the agent (the thesis) or costs the step."""
     goal: float = Field(0.9, gt=0.0, le=1.0)
     """Coverage that ends the episode, as a share of the denominator."""
     goal_of: Literal["agent", "team", "every"] = "agent"
@@ -115,13 +114,13 @@ class Scenario(Part):
 
     @cached_property
     def fingerprint(self) -> str:
-        """A short canonical hash of the task; the name and where map files lie do not matter, their cells do."""
+        """A short canonical hash of the task, without its name; map files count by their cells."""
         plugins = [part.custom for part in (self.lidar, self.radio) if part.custom is not None]
         facts = task_facts(self.model_dump(mode="json")) | {"map": self.map.identity()}
         return hashed(facts | ({"code": [source_hash(plugin) for plugin in plugins]} if plugins else {}))
 
     def budget_for(self, reachable: int) -> int:
-        """Return the step budget on a map with that many reachable free cells."""
+        """Return the step budget on a map with ``reachable`` free cells."""
         return self.budget if self.budget is not None else max(LEAST_BUDGET, reachable)
 
     def for_evaluation(self) -> Scenario:
@@ -160,9 +159,9 @@ class Scenario(Part):
 
 
 def task_facts(settings: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the settings of a task as JSON, its maps aside, without those of :data:`LATER` at their defaults.
+    """Return the settings of a task as JSON, without its maps and without those of :data:`LATER` at their defaults.
 
-    So settings that an earlier version stored and equal ones of this version give the same.
+    So equal settings give the same facts in all versions.
     """
     facts = {key: value for key, value in settings.items() if key not in ("name", "fingerprint", "map")}
     for part, _, setting in (name.partition(".") for name in LATER):
@@ -180,7 +179,7 @@ def hashed(facts: Mapping[str, Any]) -> str:
 
 
 def _defaults_of(source: str) -> dict[str, Any]:
-    """Return the settings of a kind of map, None where there is no default; none for a kind that is none."""
+    """Return the default settings of a source of maps, None for required ones; empty for an unknown source."""
     kind = map_class(source)
     fields = {} if kind is None else kind.model_fields
     return {name: None if field.is_required() else field.get_default() for name, field in fields.items()}

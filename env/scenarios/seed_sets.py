@@ -1,7 +1,7 @@
-"""What episode seeds are for: disjoint ranges, so that no policy is tested on what it was trained, tuned or chosen on.
+"""The uses of episode seeds: disjoint ranges, so that no policy is tested on seeds of its training or tuning.
 
-Test sets have a number. One of them serves the tables of one release; ``published`` counts how often figures on it were
-published, so that everybody can see how far that rule was kept. STATISTICS.md has the same table.
+Test sets have a number. Each is meant for the tables of one release; ``published`` counts how often figures on it were
+published. STATISTICS.md has the same table.
 """
 
 from __future__ import annotations
@@ -9,13 +9,13 @@ from __future__ import annotations
 from enum import StrEnum
 from typing import NamedTuple
 
-#: Seeds in a block. Everything that is flown for a comparison is in the first block; then each training has two, one
-#: for its training episodes and one for its validation.
+#: Seeds in a block. Comparisons use the first block; then each training has two, for its training episodes and for its
+#: validation.
 SEED_BLOCK = 2**40
 
 
 class SeedUse(StrEnum):
-    """What the episodes of a range of seeds are for."""
+    """The use of the episodes of a range of seeds."""
 
     TRIAL = "trial"
     """First looks, examples and tests of the code: no published figure."""
@@ -26,7 +26,7 @@ class SeedUse(StrEnum):
     TRAINING = "training"
     """Training episodes, and the maps that a map prior is fitted to."""
     VALIDATION = "validation"
-    """Evaluations during a training, by which its best weights are kept."""
+    """Evaluations during a training, by which its best weights are selected."""
 
 
 class SeedSet(NamedTuple):
@@ -37,7 +37,7 @@ class SeedSet(NamedTuple):
     first: int
     size: int
     published: int = 0
-    """How often figures of learned policies on these seeds were published, counting every change of them."""
+    """Number of publications of figures of learned policies on these seeds, including every change of them."""
 
     @property
     def seeds(self) -> range:
@@ -69,7 +69,7 @@ def seed_set(name: str) -> SeedSet:
 
 
 def use_of(seeds: range) -> SeedUse | None:
-    """Return the use that all of some seeds have; None where they have several, or one has none."""
+    """Return the common use of some seeds; None if there is none."""
     first, last = seeds[0] // SEED_BLOCK, seeds[-1] // SEED_BLOCK
     if first != last:
         return None
@@ -79,5 +79,5 @@ def use_of(seeds: range) -> SeedUse | None:
 
 
 def fresh_test_set() -> SeedSet:
-    """Return the first test set that no figure was published on."""
+    """Return the first test set without published figures."""
     return next(each for each in SEED_SETS if each.use is SeedUse.TEST and not each.published)

@@ -12,7 +12,7 @@ from pydantic import BaseModel, ValidationError
 from indoor_explorers.env.errors import InputError, did_you_mean
 from indoor_explorers.env.maps.sources import SOURCES
 
-#: What pydantic says of its own types, in the words of TOML.
+#: Messages for pydantic's types of errors, in the terms of TOML.
 _PLAINLY = {
     **dict.fromkeys(("model_type", "model_attributes_type"), "expected a table of settings"),
     **dict.fromkeys(("union_tag_invalid", "union_tag_not_found"), "expected a kind of map"),
@@ -26,7 +26,7 @@ Model = TypeVar("Model", bound=BaseModel)
 
 
 def read_toml(path: Path) -> dict[str, Any]:
-    """Read a TOML file, with one clear line for everything that can go wrong."""
+    """Read a TOML file; raise :class:`InputError` with one line for any fault."""
     try:
         size = path.stat().st_size
         text = path.read_bytes() if size <= MOST_BYTES else b""
@@ -70,7 +70,7 @@ def _shown(value: object) -> str:
 
 
 def _place(location: tuple[int | str, ...]) -> str:
-    """Return where an error is as a dotted key, without the kind of map that pydantic puts after ``map``."""
+    """Return the location of an error as a dotted key, without the source that pydantic adds after ``map``."""
     parts = zip(("", *location), location, strict=False)
     return ".".join(str(part) for before, part in parts if not (before == "map" and part in SOURCES))
 

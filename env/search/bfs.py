@@ -1,10 +1,9 @@
 """Breadth-first search for distances: over a grid or a neighbour table, from one source or many.
 
-All searches visit neighbours in the order of the actions (down, left, up, right), so their queues hold the reached
-cells in a fixed order of rising distance. Searches that need paths are in
+All searches visit neighbours in the order of the actions (down, left, up, right), so their queues contain the reached
+cells in a fixed order of increasing distance. Searches for paths are in
 :mod:`indoor_explorers.planners.toolbox.navigation.shortest_paths`, those that label parts of a map in
-:mod:`indoor_explorers.env.search.connected_parts`. A few searches elsewhere do more for each cell than measure its
-distance, and so have loops of their own; each says what.
+:mod:`indoor_explorers.env.search.connected_parts`.
 """
 
 from __future__ import annotations

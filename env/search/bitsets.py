@@ -2,6 +2,7 @@
 
 Sets of any size are arrays of words (W,) and number cells by the map's width. Boards are sets in rooms of up to 16x16
 cells: four words, a tuple in compiled code, with cell (r, c) as bit 16 r + c, so that shifts lead to neighbours.
+Searches keep the hashes of the sets that they have met in a table (:func:`is_new`).
 """
 
 from __future__ import annotations
@@ -32,6 +33,9 @@ _MIX = (
     np.uint64(0x94D049BB133111EB),
     np.uint64(0xD6E8FEB86659FD93),
 )
+#: Slots of a hash table in which a key may stand.
+PROBES = 8
+_HASH_SHIFT = np.uint64(20)
 #: The words of a board.
 Board = tuple[np.uint64, np.uint64, np.uint64, np.uint64]
 
@@ -43,6 +47,12 @@ def bit_count(word: np.uint64) -> np.uint64:
     word = (word & np.uint64(0x3333333333333333)) + ((word >> np.uint64(2)) & np.uint64(0x3333333333333333))
     word = (word + (word >> np.uint64(4))) & np.uint64(0x0F0F0F0F0F0F0F0F)
     return (word * np.uint64(0x0101010101010101)) >> np.uint64(56)
+
+
+@inner()
+def lowest(word: np.uint64) -> int:
+    """Return the number of the lowest one in a word that has one."""
+    return int(np.int64(bit_count((word & (~word + _ONE)) - _ONE)))
 
 
 def packed(mask: Mask) -> Bits:
@@ -154,3 +164,22 @@ def board_hash(words: Board) -> np.uint64:
 def without(cells: np.ndarray, seen: np.ndarray) -> Board:
     """Return the cells of one set (4,) that are not in another, as a board."""
     return (cells[0] & ~seen[0], cells[1] & ~seen[1], cells[2] & ~seen[2], cells[3] & ~seen[3])
+
+
+@inner()
+def is_new(table: np.ndarray, key: np.uint64) -> bool:
+    """Tell whether a hash table lacks a key, and insert it while there is room.
+
+    ``table`` is (P,) uint64, P a power of two, and zero at first; keys are hashes, of which the lowest bit is ignored.
+    A key whose slots are all taken by others counts as new every time.
+    """
+    last = np.uint64(table.shape[0] - 1)
+    slot, key = (key >> _HASH_SHIFT) & last, key | _ONE
+    for _ in range(PROBES):
+        if table[slot] == key:
+            return False
+        if table[slot] == 0:
+            table[slot] = key
+            return True
+        slot = (slot + _ONE) & last
+    return True

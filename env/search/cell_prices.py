@@ -1,15 +1,14 @@
-"""Prices of unseen cells: what seeing each is worth in steps, so that hardly any walk earns more than its steps.
+"""Prices of unseen cells: dual values, in steps, of the linear program of all walks.
 
-The linear program of all walks asks for the cheapest flow through a :class:`WalkGraph` from the starts to any ends
-whose steps newly show every cell, but for a number that may be missed. Every tour is such a flow, so the least flow is
-a lower bound on the steps of a team together. Its dual values are prices of cells and potentials of states: the largest
-prices for which no step earns more than 1 plus the rise of the potential.
+The program asks for the cheapest flow through a :class:`WalkGraph` from the starts to any ends whose steps newly show
+every cell, except for a number that may be missed. Every tour is such a flow, so the least flow is a lower bound on the
+steps of a team together. Its dual values are prices of cells and potentials of states: the largest prices for which no
+step earns more than 1 plus the rise of the potential.
 
-A primal-dual method that only multiplies by the program's matrix comes close to it in bounded work and is the same on
-every machine: A. Chambolle and T. Pock, "A first-order primal-dual algorithm for convex problems with applications to
-imaging", 2011, doi:10.1007/s10851-010-0251-1, with the diagonal step sizes of Pock and Chambolle, ICCV 2011,
-doi:10.1109/ICCV.2011.6126441, and over-relaxation. The dual values are only nearly feasible: a certain bound must be
-worked out from what can be earned with them.
+The solver is deterministic and needs only products with the program's matrix: A. Chambolle and T. Pock, "A first-order
+primal-dual algorithm for convex problems with applications to imaging", 2011, doi:10.1007/s10851-010-0251-1, with the
+diagonal step sizes of Pock and Chambolle, ICCV 2011, doi:10.1109/ICCV.2011.6126441, and over-relaxation. The dual
+values are only nearly feasible: a valid bound must be derived from the earnings that they allow.
 """
 
 from __future__ import annotations

@@ -1,8 +1,11 @@
-"""Connected parts of a map: cells that can be reached from each other by moves."""
+"""Connected parts of a map, cells that can be reached from each other by moves, and trees that connect parts."""
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Distances, Mask
 from indoor_explorers.env.grid.cells import FREE, MOVES
@@ -15,6 +18,26 @@ def connected_parts(free: Mask) -> tuple[Distances, np.ndarray]:
 
     labels, count = ndimage.label(free)
     return labels.astype(np.int32), np.bincount(labels.ravel(), minlength=count + 1)
+
+
+def extent(mask: Mask) -> tuple[slice, slice]:
+    """Return the rows and columns of the smallest rectangle around the True cells of a (H, W) mask."""
+    lines = (np.flatnonzero(mask.any(axis=axis)) for axis in (1, 0))
+    rows, cols = (slice(int(line[0]), int(line[-1]) + 1) for line in lines)
+    return rows, cols
+
+
+def spanning_tree(pairs: NDArray[np.integer[Any]], weights: NDArray[np.float64], count: int) -> NDArray[np.bool_]:
+    """Return which of (n, 2) pairs of ``count`` parts make a minimum spanning tree, (n,); each pair occurs once.
+
+    ``weights`` are (n,); of equal ones the first counts as the smaller one.
+    """
+    from scipy import sparse  # here, since it takes long to import
+
+    ranks = np.empty(len(weights))
+    ranks[np.argsort(weights, kind="stable")] = np.arange(1, len(weights) + 1)
+    graph = sparse.coo_array((ranks, (pairs[:, 0], pairs[:, 1])), shape=(count, count)).tocsr()
+    return np.isin(ranks, sparse.csgraph.minimum_spanning_tree(graph).data)
 
 
 @leaf(entry=False)

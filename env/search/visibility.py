@@ -1,6 +1,6 @@
-"""What every cell of a known map shows, as sets that can be joined and counted quickly.
+"""The cells in view from every cell of a known map, as sets with fast union and count.
 
-A set of cells is one 64-bit word for each tile of 8x8 cells that it touches. A scan touches few tiles, so joining
+A set of cells is one 64-bit word for each tile of 8x8 cells that it touches. A scan touches few tiles, so the union of
 the views along a path costs a few operations a step on maps of any size.
 """
 
@@ -24,7 +24,7 @@ TILE = 8
 
 
 class VisibilityTable(NamedTuple):
-    """The M cells that can be reached, numbered breadth-first from the starts, and what each shows."""
+    """The M reachable cells, numbered breadth-first from the starts, and the cells in view from each."""
 
     cells: NDArray[np.int32]
     """(M,) their flat indices in the map."""
@@ -37,7 +37,7 @@ class VisibilityTable(NamedTuple):
     bits: NDArray[np.uint64]
     """The words: which of a tile's counted cells are seen."""
     union: NDArray[np.uint64]
-    """(T,) what is seen from all M cells together; T is the number of tiles of the map."""
+    """(T,) the cells in view from any of the M cells; T is the number of tiles of the map."""
 
 
 @leaf(entry=False)
@@ -141,9 +141,9 @@ def _fill_table(
 def visibility_table(
     truth: Belief, starts: Sequence[Cell], lidar: LidarModel, *, count_all_cells: bool
 ) -> VisibilityTable:
-    """Return what can be seen of a true map (H, W) from all cells that can be reached from the starts.
+    """Return the visibility table of a true map (H, W) for all cells that can be reached from the starts.
 
-    Only the cells that can be reached are counted or, with ``count_all_cells``, all cells of the map.
+    Only reachable cells are counted or, with ``count_all_cells``, all cells of the map.
     """
     flat = np.array([row * truth.shape[1] + col for row, col in starts], np.int64)
     steps, number = np.full(truth.shape, UNREACHABLE, np.int32), np.full(truth.size, -1, np.int32)
@@ -153,7 +153,7 @@ def visibility_table(
 
 @leaf()
 def add_visible(table: VisibilityTable, cell: int, seen: np.ndarray) -> int:
-    """Add what cell number ``cell`` shows to ``seen`` (T,); return how many cells are new."""
+    """Add the cells in view from cell number ``cell`` to ``seen`` (T,); return the number of new ones."""
     new = np.int64(0)
     for place in range(table.offsets[cell], table.offsets[cell + 1]):
         tile = table.tile[place]
@@ -166,7 +166,7 @@ def add_visible(table: VisibilityTable, cell: int, seen: np.ndarray) -> int:
 
 @leaf()
 def count_unseen(table: VisibilityTable, cell: int, seen: np.ndarray) -> int:
-    """Count the cells that cell number ``cell`` shows and that are not in ``seen`` (T,)."""
+    """Count the cells in view from cell number ``cell`` that are not in ``seen`` (T,)."""
     new = np.int64(0)
     for place in range(table.offsets[cell], table.offsets[cell + 1]):
         new += np.int64(bit_count(table.bits[place] & ~seen[table.tile[place]]))

@@ -1,10 +1,9 @@
-"""Walks through a known map as paths in a graph that remembers the last few cells, and what each step newly shows.
+"""Walks through a known map as paths in a graph whose states remember the last few cells.
 
-A step into a cell shows what is in view from there and was not in view from the cells that the state remembers, nor
-from the starts. A longer memory counts fewer cells twice, so bounds that rest on these counts become tighter; with an
-unlimited memory they would be exact. Vehicle routing calls this a state-space relaxation (Christofides, Mingozzi and
-Toth, "State-space relaxation procedures for the computation of bounds to routing problems", Networks 11, 1981,
-doi:10.1002/net.3230110207).
+A step into a cell newly shows the cells in view from there that were not in view from the remembered cells nor from the
+starts. A longer memory counts fewer cells twice and gives tighter bounds; an unlimited memory would be exact. This is a
+state-space relaxation (Christofides, Mingozzi and Toth, "State-space relaxation procedures for the computation of
+bounds to routing problems", Networks 11, 1981, doi:10.1002/net.3230110207).
 """
 
 from __future__ import annotations
@@ -16,7 +15,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.compiled import kernel, leaf
 from indoor_explorers.env.search.bitsets import bit_count
-from indoor_explorers.env.search.visibility import VisibilityTable
+from indoor_explorers.env.search.visibility import VisibilityTable, grown
 
 
 class WalkGraph(NamedTuple):
@@ -128,9 +127,7 @@ def _news(
             cell = cells[target[step], 0]
             count = _keep_new(table, cells[source], cell, known, words)
             if size + count > shown.shape[0]:
-                larger = np.empty(2 * (size + count), np.int32)
-                larger[:size] = shown[:size]
-                shown = larger
+                shown = grown(shown, 2 * (size + count))
             for place in range(table.offsets[cell], table.offsets[cell + 1]):
                 word = words[table.tile[place]]
                 for bit in range(64 if word != 0 else 0):

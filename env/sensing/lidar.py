@@ -1,4 +1,4 @@
-"""The lidar: which cells a scan shows, by one of two models.
+"""The lidar: the cells in view of a scan, by one of two models.
 
 ``exact`` is line of sight, see :mod:`indoor_explorers.env.sensing.shadowcasting`; ``marsexplorer`` is the rule of
 MarsExplorer, see :mod:`indoor_explorers.env.sensing.marsexplorer`. Ranges are in cells, Euclidean to a cell's centre,

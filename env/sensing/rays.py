@@ -1,4 +1,4 @@
-"""Rays of a scanning lidar: how far it is from the centre of a cell to the first obstacle in some directions.
+"""Rays of a scanning lidar: distances from the centre of a cell to the first obstacle in some directions.
 
 Obstacles are squares, as in the exact lidar (:mod:`indoor_explorers.env.sensing.shadowcasting`), and its rule for
 corners holds: touching the corner of one obstacle does not block, passing between two that touch at a corner does. So a
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import Belief, Cell
 from indoor_explorers.env.grid.cells import OCCUPIED
 
-#: Cells by which two distances along a ray may differ that are one.
+#: Tolerance of equal distances along a ray, in cells.
 SAME = 1e-9
 
 

@@ -4,13 +4,12 @@ A free cell is seen when the segment between the two cell centres crosses no obs
 seen when the segment from the sensor to the midpoint of one of its sides that faces a free cell crosses
 none. Touching the corner of one obstacle does not block, passing between two that touch at a corner does.
 
-Around the sensor lie four quadrants, |across| <= along. In each, directions are slopes across / along, and
-what is still open after the obstacles of some rows is a list of closed arcs of slopes. A sight line to a
-cell of row d can only be crossed by obstacles of the rows before it (symmetric shadowcasting rests on the
-same fact, https://www.albertford.com/shadowcasting/), so a row needs the arcs and nothing else: a scan costs
-about as much as the cells in sight. All of it is integer arithmetic: coordinates are doubled, so that cell
-borders are odd, and slopes are compared by cross-multiplication. An arc may be a single slope: a sight line
-that touches the corners of obstacles on both sides.
+Around the sensor are four quadrants, |across| <= along. In each, directions are slopes across / along, and the
+directions that are still open after the obstacles of some rows are a list of closed arcs of slopes. A sight line to a
+cell of row d can only be crossed by obstacles of earlier rows (as in symmetric shadowcasting,
+https://www.albertford.com/shadowcasting/), so a row needs only the arcs, and a scan costs about as much as the cells in
+view. All arithmetic is on integers: coordinates are doubled, so that cell borders are odd, and slopes are compared by
+cross-multiplication. An arc may be a single slope: a sight line that touches the corners of obstacles on both sides.
 """
 
 from __future__ import annotations
@@ -24,7 +23,7 @@ from indoor_explorers.env.grid.compiled import inner, leaf
 
 
 class Arc(NamedTuple):
-    """The slopes from p / q to to_p / to_q, both included, and where their row is."""
+    """The slopes from p / q to to_p / to_q, both included, and the cells of a row between them."""
 
     p: int
     q: int
@@ -37,7 +36,7 @@ class Arc(NamedTuple):
 
 
 class Quadrant(NamedTuple):
-    """Where one quadrant lies in a flat map: the cell (along, across) is ``origin + along * a + across * b``."""
+    """One quadrant in a flat map: the cell (along, across) is ``origin + along * a + across * b``."""
 
     origin: int
     """Flat index of the sensor's cell."""

@@ -1,4 +1,4 @@
-"""Lidars and radios of plug-ins, which are called between the compiled parts of a step.
+"""Lidars and radios of plug-ins, called between the compiled parts of a step.
 
 A lidar is a function of the true map (H, W), a cell (row, column) and the range in cells, which returns an (H, W) mask
 of the cells seen. A radio is a function of the true map, the cells (N, 2) of all UAVs and the scenario's ``Radio``,
@@ -52,7 +52,7 @@ class CustomModels:
         end_step(engine, flying, first, last)
 
     def _sense(self, engine: Engine, state: State, b: int) -> None:
-        """Scan where UAVs have come into new cells, and tell which pairs are in contact."""
+        """Scan from newly entered cells, and determine the pairs in contact."""
         truth = read_only(state.truth[b])
         if self.lidar is not None:
             for agent, (row, col) in enumerate(state.cell[b].tolist()):
@@ -77,12 +77,7 @@ class CustomModels:
 def custom_scan(
     lidar: Callable[..., Any], truth: NDArray[np.uint8], cell: tuple[int, int], lidar_range: float
 ) -> NDArray[np.bool_]:
-    """Return the (H, W) mask of the cells that a plug-in's lidar sees from a cell, the cell itself included.
-
-    Raises:
-        RunError: the plug-in failed, or returned something else.
-
-    """
+    """Return the (H, W) mask that a plug-in's lidar sees, with the own cell; raise :class:`RunError` if it fails."""
     seen = _called(lidar, "lidar", truth, cell, lidar_range)
     if seen.shape != truth.shape:
         raise RunError(f"lidar: expected an (H, W) mask of shape {truth.shape}, got one of shape {seen.shape}")

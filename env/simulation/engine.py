@@ -1,7 +1,6 @@
 """A world's arrays and constants bound into one object for compiled code.
 
-Handing some fifty arrays over from Python takes numba longer than a step of the world does. A structref hands over
-one pointer.
+Passing some fifty arrays from Python to numba takes longer than a step of the world; a structref passes one pointer.
 """
 
 from __future__ import annotations
@@ -35,7 +34,7 @@ class Work(NamedTuple):
 
 
 class ExactParts(NamedTuple):
-    """What the compiled functions of a step without errors read and write."""
+    """The arguments of the compiled functions of a step without errors."""
 
     rules: Rules
     state: State
@@ -57,7 +56,7 @@ class _EngineType(types.StructRef):
 
 
 class Engine(structref.StructRefProxy):
-    """What one thread needs to step a world; made by :func:`bind`, and read by compiled code alone."""
+    """One thread's arguments to step a world; made by :func:`bind`, and read by compiled code alone."""
 
     rules: Rules
     state: State

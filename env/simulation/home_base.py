@@ -1,7 +1,7 @@
-"""The home base: a place with a radio and a map of its own, in contact with UAVs nearby, by radio, and through others.
+"""The home base: a fixed cell with a radio and a map, in contact with UAVs nearby, by radio, and through other UAVs.
 
-The base takes part in the exchange of a step like a UAV that stays where it is: whoever is in contact with it, directly
-or through teammates, reports all it knows, and learns what others have reported.
+The base takes part in the exchange of a step like a UAV: UAVs in contact with it, directly or through teammates, merge
+their maps with its map.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ FLYING, CUSTOM = int(End.FLYING), int(RadioModel.CUSTOM)
 
 @inner()
 def place_base(rules: Rules, state: State, b: int) -> None:
-    """Put the base of an episode whose spawns are in place where the rules say, with an empty map."""
+    """Place the base of an episode whose spawns are in place, with an empty map."""
     state.base_cell[b, 0], state.base_cell[b, 1] = rules.base_row, rules.base_col
     if rules.base_row < 0:
         state.base_cell[b, 0], state.base_cell[b, 1] = state.cell[b, 0, 0], state.cell[b, 0, 1]
@@ -62,7 +62,7 @@ def link_base(rules: Rules, state: State, b: int, component: np.ndarray) -> bool
 
 @inner()
 def report(state: State, b: int) -> None:
-    """Merge the maps of the base and of those in contact with it, who know the same of each other already."""
+    """Merge the maps of the base and of the agents in contact with it, after these have merged theirs."""
     team = state.end.shape[1]
     for n in range(team):
         if state.base_contact[b, n]:

@@ -1,8 +1,9 @@
-"""The starts of episodes, drawn and checked before any episode changes."""
+"""The starts of a batch's episodes, drawn and checked in several threads before any state changes."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor, wait
 from typing import NamedTuple
 
 import numpy as np
@@ -25,10 +26,34 @@ from indoor_explorers.env.simulation.reset import (
 )
 from indoor_explorers.env.simulation.spawns import checked_spawns, draw_floorplan, draw_spawns
 from indoor_explorers.env.simulation.state import rules_of
-from indoor_explorers.env.simulation.threads import Threads
 
+#: Episodes that make another thread worthwhile; waking a thread takes about as long as stepping this many.
+LEAST_SHARE = 16
 #: (H, W) of the maps of a batch, None before its first episode.
 Shape = tuple[int, ...] | None
+
+
+class Threads:
+    """Call compiled work in up to ``count`` threads, this one included."""
+
+    def __init__(self, count: int) -> None:
+        self.count = count
+        self._pool = ThreadPoolExecutor(count - 1, "world") if count > 1 else None
+
+    def share(self, work: Callable[[int, int, int], object], size: int) -> None:
+        """Call ``work(thread, first, last)`` for a share of ``size`` items in each thread, and wait for all."""
+        threads = min(self.count, size // LEAST_SHARE + 1)
+        if self._pool is None or threads == 1:
+            work(0, 0, size)
+            return
+        bounds = [size * thread // threads for thread in range(threads + 1)]
+        others = [self._pool.submit(work, t, bounds[t], bounds[t + 1]) for t in range(1, threads)]
+        try:
+            work(0, 0, bounds[1])
+        finally:
+            wait(others)
+        for other in others:
+            other.result()
 
 
 class Prepared(NamedTuple):
@@ -71,7 +96,7 @@ class Preparation:
         floorplan: Floorplan | None,
         spawns: Sequence[Cell] | None,
     ) -> Prepared:
-        """Prepare one episode with a given map or given spawns; what is not given is drawn."""
+        """Prepare one episode with a given map or given spawns; the other one is drawn."""
         place, key = self._checked([episode], [seed], index)
         plan = draw_floorplan(self._scenario, seed, index) if floorplan is None else floorplan
         if spawns is None:
@@ -108,7 +133,7 @@ class Preparation:
         def draw(thread: int, first: int, last: int) -> None:
             drawn = draw_rooms(task, scratch[thread], starts, seeds, first, last)
             if drawn < last:
-                draw_floorplan(self._scenario, int(seeds[drawn]))  # says what is wrong
+                draw_floorplan(self._scenario, int(seeds[drawn]))  # raises the error
                 raise AssertionError("a floor plan was drawn where compiled code found none")
 
         self._threads.share(draw, len(episodes))

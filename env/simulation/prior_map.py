@@ -1,7 +1,7 @@
-"""The prior map of an episode: the true map, or one in which doors, walls and furniture are not where they are.
+"""The prior map of an episode: the true map, or an outdated one with changed doors, walls and furniture.
 
-It depends on the true map, the scenario's settings and the episode's seed alone. Each kind of change draws from a
-generator of its own, one number for each place, so that one setting never changes what the others do.
+It depends on the true map, the scenario's settings and the episode's seed alone. Each kind of change has its own random
+generator, so that one setting never affects the other changes.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from indoor_explorers.env.scenarios.parts import Prior
 
 
-class Change(IntEnum):
-    """What is drawn; the value is part of a generator's seed and never changes."""
+class PriorChange(IntEnum):
+    """A kind of change; the value is part of a generator's seed and never changes."""
 
     DOORS = 0
     OPENINGS = 1
@@ -30,7 +30,7 @@ class Change(IntEnum):
 
 
 def prior_map(truth: Belief, settings: Prior, seed: int) -> Belief:
-    """Return the prior of a true map (H, W), in memory of its own.
+    """Return the prior map of a true map, both (H, W) uint8, as a new array.
 
     Furniture is removed first, then walls are moved and opened, then doorways are shut.
     """
@@ -38,12 +38,12 @@ def prior_map(truth: Belief, settings: Prior, seed: int) -> Belief:
     if settings.kind != "outdated":
         return prior
     pieces, walls, doors = standing_obstacles(truth), straight_walls(truth), doorways(truth)
-    gone, _ = _drawn(seed, Change.FURNITURE, len(pieces), settings.furniture)
+    gone, _ = _drawn(seed, PriorChange.FURNITURE, len(pieces), settings.furniture)
     for k in np.flatnonzero(gone):
         mask, box = pieces[k]
         prior[box][mask] = FREE
-    moved, sides = _drawn(seed, Change.SHIFT, len(walls), settings.shift)
-    opened, places = _drawn(seed, Change.OPENINGS, len(walls), settings.openings)
+    moved, sides = _drawn(seed, PriorChange.SHIFT, len(walls), settings.shift)
+    opened, places = _drawn(seed, PriorChange.OPENINGS, len(walls), settings.openings)
     width = _usual_width(doors)
     for k in np.flatnonzero(moved | opened):
         wall = walls[k]
@@ -53,13 +53,13 @@ def prior_map(truth: Belief, settings: Prior, seed: int) -> Belief:
             prior[wall.cells] = OCCUPIED
         if opened[k]:
             prior[_hole(wall, width, places[k]).cells] = FREE
-    shut, _ = _drawn(seed, Change.DOORS, len(doors), settings.doors)
+    shut, _ = _drawn(seed, PriorChange.DOORS, len(doors), settings.doors)
     for k in np.flatnonzero(shut):
         prior[doors[k].cells] = OCCUPIED
     return prior
 
 
-def _drawn(seed: int, change: Change, places: int, probability: float) -> tuple[Mask, np.ndarray]:
+def _drawn(seed: int, change: PriorChange, places: int, probability: float) -> tuple[Mask, np.ndarray]:
     """Draw which places change, (K,) bool, and another number from 0 to 1 for each, (K,)."""
     numbers = generator(seed, Stream.PRIOR, change).random((places, 2))
     return numbers[:, 0] < probability, numbers[:, 1]

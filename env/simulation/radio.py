@@ -1,9 +1,8 @@
-"""Radio: who is linked, and what linked agents exchange.
+"""Radio: links between agents, and the exchange of linked agents.
 
-Linked agents form connected components. Once per step, after all moves, every component merges its maps
-and exchanges positions and messages. Each agent keeps a discovery log: its known cells in the order they
-became known, and for every teammate how much of that one's log it has merged: a merge touches what
-changed since the last one and never the map.
+Linked agents form connected components. Once per step, after all moves, every component merges its maps and exchanges
+positions and messages. Each agent has a discovery log, its known cells in the order they became known, and for every
+teammate the merged length of that one's log: a merge processes only new entries and never the whole map.
 
 Bytes are counted at the sender: ``CELL_BYTES`` for each cell that was new to the receiver, and for each
 teammate in the component one position and message of ``POSITION_BYTES`` + 8 for each number.
@@ -31,7 +30,7 @@ NONE, SQUARE, DISC, LINE_OF_SIGHT, PATH_LOSS, UNLIMITED, CUSTOM, PATH_LOSS_IR2 =
 
 @inner()
 def in_reach(rules: Rules, occupancy: np.ndarray, row: int, col: int, to_row: int, to_col: int) -> bool:
-    """Tell whether the radios in two cells of a true map (H, W) reach each other, losses left out."""
+    """Tell whether the radios in two cells of a true map (H, W) reach each other, without random losses."""
     rows, cols = row - to_row, col - to_col
     model, reach = rules.radio_model, rules.radio_range
     if model == NONE:
@@ -62,7 +61,7 @@ def in_contact(rules: Rules, state: State, b: int, row: int, col: int, to_row: i
 
 @inner()
 def is_lost(rules: Rules, state: State, b: int, i: int, j: int) -> bool:
-    """Draw whether the contact of two agents fails in this step; that with the base, where both are the same one."""
+    """Draw whether the contact of two agents fails in this step; ``i == j`` is the contact with the base."""
     if rules.radio_loss <= 0.0:
         return False
     team = state.end.shape[1]
@@ -73,7 +72,7 @@ def is_lost(rules: Rules, state: State, b: int, i: int, j: int) -> bool:
 def link(rules: Rules, state: State, b: int, component: np.ndarray) -> bool:
     """Fill ``linked`` and ``component`` (N,), the smallest agent number of each agent's component.
 
-    Returns whether any two agents are linked. Where the radio is a plug-in's, ``linked`` holds whom it connects.
+    Returns whether any two agents are linked. For a plug-in's radio, ``linked`` contains its pairs before.
     """
     team, any_link = state.end.shape[1], False
     for i in range(team):

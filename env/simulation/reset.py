@@ -5,11 +5,12 @@ A start is first prepared without changing any episode, and then carried out, wh
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from indoor_explorers.env.grid.arrays import allocated
 from indoor_explorers.env.grid.cells import MOVES, OCCUPIED
 from indoor_explorers.env.grid.compiled import inner, kernel, leaf
 from indoor_explorers.env.grid.randomness import Stream, below, stream_key, uniform
@@ -30,38 +31,33 @@ MAX_ATTEMPTS = 100
 class Starts(NamedTuple):
     """The prepared starts of K episodes."""
 
-    truth: NDArray[np.uint8]
-    """(K, H, W) 1 free, 2 occupied."""
-    cell: NDArray[np.int64]
-    """(K, N, 2) row and column of each spawn."""
-    reachable: NDArray[np.bool_]
-    """(K, H, W) cells that can be reached from the spawns."""
-    size: NDArray[np.int64]
-    """(K,) number of those cells."""
+    truth: Annotated[NDArray[np.uint8], "K H W"]
+    """1 free, 2 occupied."""
+    cell: Annotated[NDArray[np.int64], "K N 2"]
+    """Row and column of each spawn."""
+    reachable: Annotated[NDArray[np.bool_], "K H W"]
+    """Cells that can be reached from the spawns."""
+    size: Annotated[NDArray[np.int64], "K"]
+    """Number of those cells."""
 
 
 def empty_starts(count: int, team: int, shape: tuple[int, int]) -> Starts:
     """Allocate the starts of ``count`` episodes."""
-    return Starts(
-        truth=np.empty((count, *shape), np.uint8),
-        cell=np.empty((count, team, 2), np.int64),
-        reachable=np.empty((count, *shape), np.bool_),
-        size=np.empty(count, np.int64),
-    )
+    return allocated(Starts, K=count, N=team, H=shape[0], W=shape[1])
 
 
 class FloodScratch(NamedTuple):
     """Working arrays of floods on maps of one shape; not to be shared between threads."""
 
-    part: NDArray[np.int32]
-    """(H, W) number of the connected part that a free cell belongs to, 0 for obstacles and cells not reached."""
-    queue: NDArray[np.int32]
-    """(H*W,) cells to flood from."""
+    part: Annotated[NDArray[np.int32], "H W"]
+    """Number of the connected part that a free cell belongs to, 0 for obstacles and cells not reached."""
+    queue: Annotated[NDArray[np.int32], "cells"]
+    """Cells to flood from."""
 
 
 def flood_scratch(shape: tuple[int, int]) -> FloodScratch:
     """Allocate the working arrays of floods."""
-    return FloodScratch(np.zeros(shape, np.int32), np.zeros(shape[0] * shape[1], np.int32))
+    return allocated(FloodScratch, H=shape[0], W=shape[1], cells=shape[0] * shape[1])
 
 
 @leaf()

@@ -55,7 +55,7 @@ def _check_space(floorplan: Floorplan, team: int) -> None:
 
 
 def checked_spawns(spawns: Sequence[Cell], floorplan: Floorplan, team: int) -> list[Cell]:
-    """Return listed spawns, refusing another number than the team's and cells that are not free or not distinct."""
+    """Return listed spawns; refuse a wrong number of them and cells that are not free or not distinct."""
     if len(spawns) != team:
         raise InputError(f"expected a spawn for each of {team} UAVs, got {len(spawns)}")
     height, width = floorplan.shape

@@ -1,23 +1,21 @@
 """The state of a batch of episodes as plain arrays, and the rules as plain numbers.
 
-Axes: B episodes, N agents, H rows, W columns. Compiled kernels read and write these; everything else
+Axes: B episodes, N agents, H rows, W columns, ``cells`` = H * W. Compiled kernels read and write these; everything else
 goes through :class:`indoor_explorers.env.simulation.world.World`.
 """
 
 from __future__ import annotations
 
 from enum import IntEnum
-from typing import Any, NamedTuple, TypeVar
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.policies.view import MESSAGE_LIMIT
+from indoor_explorers.env.grid.arrays import allocated
+from indoor_explorers.env.policies.view import MESSAGE_LIMIT, Mate
 from indoor_explorers.env.scenarios.codes import RadioModel, StuckRule
 from indoor_explorers.env.scenarios.scenario import LEAST_BUDGET, Scenario
-
-#: A named tuple of arrays.
-Arrays = TypeVar("Arrays", bound=tuple[NDArray[Any], ...])
 
 
 class End(IntEnum):
@@ -32,11 +30,11 @@ class End(IntEnum):
     OUT_OF_BOUNDS = 3
     """It flew off the map."""
     STUCK = 4
-    """It went on without a discovery or between the same cells for too long, as the rule ``stuck`` says."""
+    """It made no discovery or visited the same cells for too long by the rule ``stuck``."""
     BUDGET = 5
     """All steps are flown."""
     STOPPED = 6
-    """It failed, see :mod:`indoor_explorers.env.simulation.failures`."""
+    """It failed, see :mod:`indoor_explorers.env.simulation.contacts`."""
 
 
 class Rules(NamedTuple):
@@ -50,7 +48,7 @@ class Rules(NamedTuple):
     """Steps; 0 for one step per reachable cell."""
     least_budget: int
     exact_scans: bool
-    """Whether the step itself scans; not where a plug-in does, or where sensors or poses err."""
+    """Whether the step itself scans: without a plug-in lidar and without errors."""
     radio_model: int
     radio_range: float
     radio_exponent: float
@@ -80,11 +78,11 @@ class Rules(NamedTuple):
     base: bool
     """Whether there is a home base."""
     base_row: int
-    """Its row; -1: it is where agent 0 starts."""
+    """Row of the base; -1 for the start cell of agent 0."""
     base_col: int
     base_radius: float
     goal_of_base: bool
-    """Whether the goal is what the base knows."""
+    """Whether the goal is the base's coverage."""
 
 
 def rules_of(scenario: Scenario) -> Rules:
@@ -137,173 +135,125 @@ def _stop_steps(scenario: Scenario) -> NDArray[np.int64]:
 class State(NamedTuple):
     """The state of a batch of episodes."""
 
-    truth: NDArray[np.uint8]
-    """(B, H, W) 1 free, 2 occupied."""
-    counts: NDArray[np.bool_]
-    """(B, H, W) cells that coverage counts."""
-    total: NDArray[np.int64]
-    """(B,) number of those cells: the denominator."""
-    needed: NDArray[np.int64]
-    """(B,) number of those cells that must be known to reach the goal."""
-    budget: NDArray[np.int64]
-    """(B,) steps."""
-    order_key: NDArray[np.uint64]
-    """(B,) key of the stream that draws the order of moves."""
-    radio_key: NDArray[np.uint64]
-    fading: NDArray[np.float64]
-    """(B, 2) K and X of the radio model ``path-loss-ir2``, in dB."""
-    """(B,) key of the stream that draws which contacts fail."""
-    failure_key: NDArray[np.uint64]
-    """(B,) key of the stream that draws which UAVs and radios fail."""
-    step: NDArray[np.int64]
-    """(B,) steps flown."""
-    end: NDArray[np.uint8]
-    """(B, N) :class:`End`."""
-    cell: NDArray[np.int64]
-    """(B, N, 2) row and column."""
-    believed_cell: NDArray[np.int64]
-    """(B, N, 2) where each agent believes to be: the same array as ``cell`` where poses are certain."""
-    legal: NDArray[np.bool_]
-    """(B, N, 5) actions that end neither in a wall nor off the map."""
-    belief: NDArray[np.uint8]
-    """(B, N, H, W) 0 unknown, 1 free, 2 occupied."""
-    sensed: NDArray[np.bool_]
-    """(B, N, H, W) cells the agent's own lidar has seen."""
-    visited: NDArray[np.bool_]
-    """(B, N, H, W) cells the agent has been in."""
-    union: NDArray[np.uint8]
-    """(B, H, W) union of the beliefs of the agents that have not stopped, and of the base."""
-    covered: NDArray[np.int64]
-    """(B, N) counted cells in the agent's belief."""
-    team_covered: NDArray[np.int64]
-    """(B,) counted cells in the union."""
-    sensed_count: NDArray[np.int64]
-    """(B, N) counted cells the agent's own lidar has seen."""
-    discovery_log: NDArray[np.int32]
-    """(B, N, H*W) flat indices of known cells in the order they became known."""
-    known: NDArray[np.int64]
-    """(B, N) length of the discovery log."""
-    merged_up_to: NDArray[np.int64]
-    """(B, N, N) entries of agent j's discovery log that agent i has merged: ``merged_up_to[b, i, j]``."""
-    discovered: NDArray[np.int64]
-    """(B, N) cells first seen by own lidar in this step."""
-    received: NDArray[np.int64]
-    """(B, N) cells first received by radio in this step."""
-    idle: NDArray[np.int64]
-    """(B, N) steps since the last new cell of either kind."""
-    history: NDArray[np.int32]
-    """(B, N, window) ring of flat positions, -1 while empty."""
-    reward: NDArray[np.float64]
-    """(B, N) of this step."""
-    linked: NDArray[np.bool_]
-    """(B, N, N) in direct radio contact after this step."""
-    silent_until: NDArray[np.int64]
-    """(B, N) step up to which, not included, an agent's radio is silent."""
-    outbox: NDArray[np.float64]
-    """(B, N, 16) the message an agent sends."""
-    outbox_size: NDArray[np.int64]
-    """(B, N) numbers in it, -1 for no message."""
-    last_received_step: NDArray[np.int64]
-    """(B, N, N) step at which i last received from j, -1 for never."""
-    last_received_cell: NDArray[np.int64]
-    """(B, N, N, 2) j's cell at that step."""
-    last_received: NDArray[np.float64]
-    """(B, N, N, 16) j's message at that step."""
-    last_received_size: NDArray[np.int64]
-    """(B, N, N) numbers in it, -1 for no message."""
-    path_length: NDArray[np.int64]
-    """(B, N) cells moved."""
-    collisions: NDArray[np.int64]
-    """(B, N) moves into obstacles or off the map."""
-    blocked: NDArray[np.int64]
-    """(B, N) moves blocked by a teammate."""
-    sent_bytes: NDArray[np.int64]
-    """(B, N) bytes the agent's radio sent: see :mod:`indoor_explorers.env.simulation.radio`."""
-    base_cell: NDArray[np.int64]
-    """(B, 2) row and column of the home base."""
-    base_belief: NDArray[np.uint8]
-    """(B, H, W) what the base knows; (B, 0, 0) where there is no base."""
-    base_log: NDArray[np.int32]
-    """(B, H*W) flat indices of the cells that the base knows in the order it learned them; (B, 0) without a base."""
-    base_known: NDArray[np.int64]
-    """(B,) length of that log."""
-    base_covered: NDArray[np.int64]
-    """(B,) counted cells that the base knows."""
-    base_merged: NDArray[np.int64]
-    """(B, N) entries of an agent's discovery log that the base has."""
-    base_sent: NDArray[np.int64]
-    """(B, N) entries of the base's log that an agent has."""
-    base_contact: NDArray[np.bool_]
-    """(B, N) in contact with the base after this step, directly or through others."""
-    base_step: NDArray[np.int64]
-    """(B, N) step of the last such contact, -1 for never."""
+    truth: Annotated[NDArray[np.uint8], "B H W"]
+    """1 free, 2 occupied."""
+    counts: Annotated[NDArray[np.bool_], "B H W"]
+    """Cells that coverage counts."""
+    total: Annotated[NDArray[np.int64], "B"]
+    """Number of those cells: the denominator."""
+    needed: Annotated[NDArray[np.int64], "B"]
+    """Number of those cells that must be known to reach the goal."""
+    budget: Annotated[NDArray[np.int64], "B"]
+    """Steps."""
+    order_key: Annotated[NDArray[np.uint64], "B"]
+    """Key of the stream that draws the order of moves."""
+    radio_key: Annotated[NDArray[np.uint64], "B"]
+    """Key of the stream that draws which contacts fail."""
+    fading: Annotated[NDArray[np.float64], "B 2"]
+    """K and X of the radio model ``path-loss-ir2``, in dB."""
+    failure_key: Annotated[NDArray[np.uint64], "B"]
+    """Key of the stream that draws which UAVs and radios fail."""
+    step: Annotated[NDArray[np.int64], "B"]
+    """Steps flown."""
+    end: Annotated[NDArray[np.uint8], "B N"]
+    """:class:`End`."""
+    cell: Annotated[NDArray[np.int64], "B N 2"]
+    """Row and column."""
+    believed_cell: Annotated[NDArray[np.int64], "B N 2"]
+    """Each agent's estimate of its cell: the same array as ``cell`` without pose errors."""
+    legal: Annotated[NDArray[np.bool_], "B N 5"]
+    """Actions that end neither in a wall nor off the map."""
+    belief: Annotated[NDArray[np.uint8], "B N H W"]
+    """0 unknown, 1 free, 2 occupied."""
+    sensed: Annotated[NDArray[np.bool_], "B N H W"]
+    """Cells the agent's own lidar has seen."""
+    visited: Annotated[NDArray[np.bool_], "B N H W"]
+    """Cells the agent has been in."""
+    union: Annotated[NDArray[np.uint8], "B H W"]
+    """Union of the beliefs of the agents that have not stopped, and of the base."""
+    covered: Annotated[NDArray[np.int64], "B N"]
+    """Counted cells in the agent's belief."""
+    team_covered: Annotated[NDArray[np.int64], "B"]
+    """Counted cells in the union."""
+    sensed_count: Annotated[NDArray[np.int64], "B N"]
+    """Counted cells the agent's own lidar has seen."""
+    discovery_log: Annotated[NDArray[np.int32], "B N cells"]
+    """Flat indices of known cells in the order they became known."""
+    known: Annotated[NDArray[np.int64], "B N"]
+    """Length of the discovery log."""
+    merged_up_to: Annotated[NDArray[np.int64], "B N N"]
+    """Entries of agent j's discovery log that agent i has merged: ``merged_up_to[b, i, j]``."""
+    discovered: Annotated[NDArray[np.int64], "B N"]
+    """Cells first seen by own lidar in this step."""
+    received: Annotated[NDArray[np.int64], "B N"]
+    """Cells first received by radio in this step."""
+    idle: Annotated[NDArray[np.int64], "B N"]
+    """Steps since the last new cell of either kind."""
+    history: Annotated[NDArray[np.int32], "B N window"]
+    """Ring of flat positions, -1 while empty."""
+    reward: Annotated[NDArray[np.float64], "B N"]
+    """Reward of this step."""
+    linked: Annotated[NDArray[np.bool_], "B N N"]
+    """In direct radio contact after this step."""
+    silent_until: Annotated[NDArray[np.int64], "B N"]
+    """Step up to which, not included, an agent's radio is silent."""
+    outbox: Annotated[NDArray[np.float64], "B N message"]
+    """The message an agent sends."""
+    outbox_size: Annotated[NDArray[np.int64], "B N"]
+    """Numbers in it, -1 for no message."""
+    last_received_step: Annotated[NDArray[np.int64], "B N N"]
+    """Step at which i last received from j, -1 for never."""
+    last_received_cell: Annotated[NDArray[np.int64], "B N N 2"]
+    """Cell of j at that step."""
+    last_received: Annotated[NDArray[np.float64], "B N N message"]
+    """Message of j at that step."""
+    last_received_size: Annotated[NDArray[np.int64], "B N N"]
+    """Numbers in it, -1 for no message."""
+    path_length: Annotated[NDArray[np.int64], "B N"]
+    """Cells moved."""
+    collisions: Annotated[NDArray[np.int64], "B N"]
+    """Moves into obstacles or off the map."""
+    blocked: Annotated[NDArray[np.int64], "B N"]
+    """Moves blocked by a teammate."""
+    sent_bytes: Annotated[NDArray[np.int64], "B N"]
+    """Bytes the agent's radio sent: see :mod:`indoor_explorers.env.simulation.radio`."""
+    base_cell: Annotated[NDArray[np.int64], "B 2"]
+    """Row and column of the home base."""
+    base_belief: Annotated[NDArray[np.uint8], "B base_H base_W"]
+    """The base's map; (B, 0, 0) without a base."""
+    base_log: Annotated[NDArray[np.int32], "B base_cells"]
+    """Flat indices of the cells that the base knows in the order it learned them; (B, 0) without a base."""
+    base_known: Annotated[NDArray[np.int64], "B"]
+    """Length of that log."""
+    base_covered: Annotated[NDArray[np.int64], "B"]
+    """Counted cells that the base knows."""
+    base_merged: Annotated[NDArray[np.int64], "B N"]
+    """Entries of an agent's discovery log that the base has."""
+    base_sent: Annotated[NDArray[np.int64], "B N"]
+    """Entries of the base's log that an agent has."""
+    base_contact: Annotated[NDArray[np.bool_], "B N"]
+    """In contact with the base after this step, directly or through others."""
+    base_step: Annotated[NDArray[np.int64], "B N"]
+    """Step of the last such contact, -1 for never."""
 
 
 def empty_state(
     batch: int, team: int, shape: tuple[int, int], window: int, *, base: bool = False, uncertain: bool = False
 ) -> State:
     """Allocate the state of ``batch`` episodes; ``base``: with a home base, ``uncertain``: poses may be wrong."""
-    n, (h, w), (base_h, base_w) = team, shape, shape if base else (0, 0)
-
-    def zeros(kind: type, *axes: int) -> NDArray:  # type: ignore[type-arg]
-        return np.zeros((batch, *axes), kind)
-
-    i8, f8, cell = np.int64, np.float64, np.zeros((batch, n, 2), np.int64)
-    return State(
-        truth=zeros(np.uint8, h, w),
-        counts=zeros(np.bool_, h, w),
-        total=zeros(i8),
-        needed=zeros(i8),
-        budget=zeros(i8),
-        order_key=zeros(np.uint64),
-        radio_key=zeros(np.uint64),
-        fading=zeros(np.float64, 2),
-        failure_key=zeros(np.uint64),
-        step=zeros(i8),
-        end=zeros(np.uint8, n),
-        cell=cell,
-        believed_cell=zeros(i8, n, 2) if uncertain else cell,
-        legal=zeros(np.bool_, n, 5),
-        belief=zeros(np.uint8, n, h, w),
-        sensed=zeros(np.bool_, n, h, w),
-        visited=zeros(np.bool_, n, h, w),
-        union=zeros(np.uint8, h, w),
-        covered=zeros(i8, n),
-        team_covered=zeros(i8),
-        sensed_count=zeros(i8, n),
-        discovery_log=zeros(np.int32, n, h * w),
-        known=zeros(i8, n),
-        merged_up_to=zeros(i8, n, n),
-        discovered=zeros(i8, n),
-        received=zeros(i8, n),
-        idle=zeros(i8, n),
-        history=zeros(np.int32, n, window),
-        reward=zeros(f8, n),
-        linked=zeros(np.bool_, n, n),
-        silent_until=zeros(i8, n),
-        outbox=zeros(f8, n, MESSAGE_LIMIT),
-        outbox_size=zeros(i8, n),
-        last_received_step=zeros(i8, n, n),
-        last_received_cell=zeros(i8, n, n, 2),
-        last_received=zeros(f8, n, n, MESSAGE_LIMIT),
-        last_received_size=zeros(i8, n, n),
-        path_length=zeros(i8, n),
-        collisions=zeros(i8, n),
-        blocked=zeros(i8, n),
-        sent_bytes=zeros(i8, n),
-        base_cell=zeros(i8, 2),
-        base_belief=zeros(np.uint8, base_h, base_w),
-        base_log=zeros(np.int32, base_h * base_w),
-        base_known=zeros(i8),
-        base_covered=zeros(i8),
-        base_merged=zeros(i8, n),
-        base_sent=zeros(i8, n),
-        base_contact=zeros(np.bool_, n),
-        base_step=zeros(i8, n),
-    )
+    sizes = dict(zip(("H", "W", "base_H", "base_W"), (*shape, *(shape if base else (0, 0))), strict=True))
+    sizes |= {"cells": sizes["H"] * sizes["W"], "base_cells": sizes["base_H"] * sizes["base_W"]}
+    state = allocated(State, B=batch, N=team, window=window, message=MESSAGE_LIMIT, **sizes)
+    return state if uncertain else state._replace(believed_cell=state.cell)
 
 
-def copied(arrays: Arrays) -> Arrays:
-    """Return a named tuple with arrays of its own; an array that it has twice, its copy has twice."""
-    copies = {id(array): array.copy() for array in arrays}
-    return type(arrays)(*(copies[id(array)] for array in arrays))
+def received_mates(state: State, b: int, agent: int) -> tuple[Mate, ...]:
+    """Return what an agent of episode ``b`` last received of each teammate."""
+    now, mates = int(state.step[b]), []
+    for mate, when in enumerate(state.last_received_step[b, agent].tolist()):
+        if when >= 0:
+            row, col = state.last_received_cell[b, agent, mate].tolist()
+            size = int(state.last_received_size[b, agent, mate])
+            message = tuple(state.last_received[b, agent, mate, :size].tolist()) if size >= 0 else None
+            mates.append(Mate(mate, (row, col), now - when, message))
+    return tuple(mates)

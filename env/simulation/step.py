@@ -1,4 +1,4 @@
-"""The one step of the world, compiled: moves, scans, radio, rewards and ends."""
+"""The step of the world, compiled: moves, scans, radio, rewards and ends."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from indoor_explorers.env.grid.compiled import inner, kernel, leaf
 from indoor_explorers.env.grid.randomness import shuffled
 from indoor_explorers.env.scenarios.codes import RadioModel, StuckRule
 from indoor_explorers.env.sensing.lidar import LidarModel, Scan, visible_cells
-from indoor_explorers.env.simulation.contacts import contacts_of
+from indoor_explorers.env.simulation.contacts import contacts_of, forget_lost
 from indoor_explorers.env.simulation.engine import Engine, ExactParts, Work
-from indoor_explorers.env.simulation.failures import forget_lost
 from indoor_explorers.env.simulation.home_base import report
 from indoor_explorers.env.simulation.radio import exchange, learn
 from indoor_explorers.env.simulation.state import End, Rules, State
 
+#: Plain numbers: comparing an array with an enumeration's member takes numpy ten times as long.
 FLYING, GOAL, COLLISION, OUT_OF_BOUNDS, STUCK, BUDGET, _ = (int(end) for end in End)
 NO_DISCOVERY, OSCILLATION = int(StuckRule.NO_DISCOVERY), int(StuckRule.OSCILLATION)
 CUSTOM_RADIO = int(RadioModel.CUSTOM)
@@ -152,8 +152,8 @@ def update_legal(state: State, b: int, agent: int, occupancy: np.ndarray) -> Non
 def begin(rules: Rules, state: State, lidar: LidarModel, work: Work, b: int) -> None:
     """Make the first scans and radio contacts of episode ``b``, whose truth and spawns are in place.
 
-    Others are made afterwards, see :mod:`indoor_explorers.env.simulation.custom_models` and
-    :mod:`indoor_explorers.env.simulation.slam`.
+    Those of plug-ins and of worlds with errors follow later, see :mod:`indoor_explorers.env.simulation.custom_models`
+    and :mod:`indoor_explorers.env.simulation.slam`.
     """
     for n in range(state.end.shape[1]):
         if rules.exact_scans:
@@ -177,7 +177,7 @@ _contact, _fail_and_contact = contacts_of(_share_beliefs, forget_lost)
 
 @inner()
 def clear_step(state: State, b: int) -> bool:
-    """Reset what is counted in a step; return whether an agent of the episode flies."""
+    """Reset the rewards and counts of a step; return whether an agent of the episode flies."""
     flying = False
     for n in range(state.end.shape[1]):
         state.reward[b, n] = 0.0

@@ -1,4 +1,4 @@
-"""The one simulator: a batch of exploration episodes stepped together by compiled kernels."""
+"""The simulator: a batch of exploration episodes stepped together by compiled kernels."""
 
 from __future__ import annotations
 
@@ -9,50 +9,36 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from indoor_explorers.env.errors import InputError
-from indoor_explorers.env.grid.arrays import Belief, Cell, Mask, read_only
+from indoor_explorers.env.grid.arrays import Belief, Cell, Mask, copied, read_only
 from indoor_explorers.env.grid.randomness import Stream, generator
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.policies.policy import checked_action, integers
-from indoor_explorers.env.policies.view import (
-    LIVE_ARRAYS,
-    Arrays,
-    Briefing,
-    Mate,
-    Message,
-    View,
-    message_numbers,
-    view_of,
-)
+from indoor_explorers.env.policies.view import LIVE_ARRAYS, Arrays, Briefing, Message, View, message_numbers, view_of
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.sensing.lidar import lidar_model
 from indoor_explorers.env.simulation.custom_models import CustomModels
 from indoor_explorers.env.simulation.engine import Engine, bind, new_work
-from indoor_explorers.env.simulation.preparation import Preparation, Prepared
+from indoor_explorers.env.simulation.preparation import Preparation, Prepared, Threads
 from indoor_explorers.env.simulation.prior_map import prior_map
 from indoor_explorers.env.simulation.reset import start_episodes
-from indoor_explorers.env.simulation.slam.model import UncertainModel
 from indoor_explorers.env.simulation.slam.state import Slam, empty_slam
-from indoor_explorers.env.simulation.state import End, State, copied, empty_state, rules_of
-from indoor_explorers.env.simulation.step import advance, are_actions
-from indoor_explorers.env.simulation.threads import Threads
-
-#: A plain number: comparing an array with an enumeration's member takes numpy ten times as long.
-FLYING = int(End.FLYING)
+from indoor_explorers.env.simulation.slam.step import UncertainModel
+from indoor_explorers.env.simulation.state import State, empty_state, received_mates, rules_of
+from indoor_explorers.env.simulation.step import FLYING, advance, are_actions
 
 
 class World:
     """Simulate ``batch`` episodes of one scenario at once; a single environment is a batch of one.
 
-    All episodes of a batch explore maps of the same shape. Fill them with :meth:`reset` or
-    :meth:`begin`, then alternate :meth:`view` and :meth:`step`. An agent that has ended is gone: it
-    neither moves, scans, transmits nor blocks others. With several ``threads`` the episodes are
-    divided among them; what happens in an episode depends on its seed and actions alone.
+    All episodes of a batch explore maps of the same shape. Start them with :meth:`reset` or :meth:`begin`, then
+    alternate :meth:`view` and :meth:`step`. An agent that has ended neither moves, scans, transmits nor blocks others.
+    With several ``threads`` the episodes are divided among them; an episode depends on its seed and actions alone.
     """
 
     def __init__(self, scenario: Scenario, batch: int = 1, *, threads: int = 1) -> None:
         self.scenario = scenario
         failures = scenario.failures.model_copy(update={"stops": ()})
-        self._told = scenario.model_copy(update={"map": scenario.map.without_files(), "failures": failures})
+        self._briefed_scenario = scenario.model_copy(update={"map": scenario.map.without_files(), "failures": failures})
         self.batch = batch
         self.seeds = [0] * batch
         self.begun = np.zeros(batch, np.int64)
@@ -64,7 +50,7 @@ class World:
         self._complete(threads)
 
     def _complete(self, threads: int) -> None:
-        """Make the attributes that a copy makes anew."""
+        """Set the attributes that are not copied."""
         self._priors: dict[int, Belief] = {}
         """Prior maps of the episodes that were asked for theirs."""
         self._shown: dict[tuple[int, int], Arrays] = {}
@@ -77,11 +63,10 @@ class World:
             self._bind(self._state)
 
     def copy(self) -> World:
-        """Return an independent world at the same step of the same episodes.
+        """Return an independent world at the same step of the same episodes; the same actions have the same results.
 
-        Both have the same future as long as they are given the same actions and messages: order of moves, contacts,
-        failures, noise and drift. ``copy.deepcopy`` does the same; ``pickle`` saves a world in the same way. Neither
-        includes pilots, encoders or :class:`~indoor_explorers.env.observations.incremental.LivePlanes`.
+        ``copy.deepcopy`` and ``pickle`` make the same copy. It includes no pilots, no encoders and no
+        :class:`~indoor_explorers.env.observations.incremental.LivePlanes`.
         """
         twin = object.__new__(type(self))
         twin.__setstate__(self.__getstate__())
@@ -91,8 +76,8 @@ class World:
         return self.copy()
 
     def __getstate__(self) -> dict[str, Any]:
-        """Return the arrays and settings; what compiled code holds is made anew from them."""
-        kept = ("scenario", "_told", "batch", "seeds", "begun", "_floorplans", "slam", "_state")
+        """Return the arrays and settings, from which the engines of compiled code are rebuilt."""
+        kept = ("scenario", "_briefed_scenario", "batch", "seeds", "begun", "_floorplans", "slam", "_state")
         return {name: getattr(self, name) for name in kept} | {"threads": self._threads.count}
 
     def __setstate__(self, kept: dict[str, Any]) -> None:
@@ -113,8 +98,6 @@ class World:
 
     def reset(self, seeds: Sequence[int], *, index: int = 0) -> None:
         """Start every episode of the batch on the map and spawns of its seed; ``index`` picks among map files."""
-        if len(seeds) != self.batch:
-            raise InputError(f"expected one seed for each of {self.batch} episodes, got {len(seeds)}")
         self.restart(range(self.batch), seeds, index=index)
 
     def restart(self, episodes: Sequence[int], seeds: Sequence[int], *, index: int = 0) -> None:
@@ -187,7 +170,7 @@ class World:
         self._bind(self._state)
 
     def _bind(self, state: State) -> None:
-        """Hand the arrays over to compiled code, once for each thread."""
+        """Bind the arrays to an engine of compiled code for each thread."""
         if self.slam is not None:
             self._models = UncertainModel(self.scenario, self.slam)
         rules, lidar = rules_of(self.scenario), lidar_model(self.scenario.lidar.range, self.scenario.lidar.model)
@@ -248,11 +231,9 @@ class World:
     def post(self, episode: int, agent: int, message: Message) -> None:
         """Put an agent's message into its outbox; it is sent after each move until it is replaced."""
         state, numbers = self.state, message_numbers(message)
-        if numbers is None:
-            state.outbox_size[episode, agent] = -1
-            return
-        state.outbox[episode, agent, : len(numbers)] = numbers
-        state.outbox_size[episode, agent] = len(numbers)
+        state.outbox_size[episode, agent] = -1 if numbers is None else len(numbers)
+        if numbers is not None:
+            state.outbox[episode, agent, : len(numbers)] = numbers
 
     def view(self, episode: int, agent: int) -> View:
         """Return the current view of one agent."""
@@ -260,39 +241,21 @@ class World:
         arrays = self._shown.get((episode, agent)) or self._show(episode, agent)
         cell = (state.believed_cell.item(episode, agent, 0), state.believed_cell.item(episode, agent, 1))
         step, budget = state.step.item(episode), state.budget.item(episode)
-        mates = self._mates(episode, agent) if self.scenario.team > 1 else ()
-        base_age, pose_std, heading = self._base_age(episode, agent), 0.0, None
+        mates = received_mates(state, episode, agent) if self.scenario.team > 1 else ()
+        contact = state.base_step.item(episode, agent) if self.scenario.base.exists else -1
+        base_age, pose_std, heading = None if contact < 0 else step - contact, 0.0, None
         if slam is not None:
             pose_std = slam.variance.item(episode, agent, step) ** 0.5
             heading = slam.heading.item(episode, agent, step) if self.scenario.turns else None
         return view_of(arrays, (cell, step, budget, mates, base_age, pose_std, heading))
 
-    def _base_age(self, episode: int, agent: int) -> int | None:
-        """Return the steps since an agent's last contact with the base; None for never."""
-        if not self.scenario.base.exists:
-            return None
-        when = self.state.base_step.item(episode, agent)
-        return None if when < 0 else self.state.step.item(episode) - when
-
     def _show(self, episode: int, agent: int) -> Arrays:
-        """Make the arrays of an agent's views, each with a window of its own: their ``base`` is never the batch."""
+        """Return the arrays of an agent's views, none of which leads to the arrays of the batch by its ``base``."""
         owners = [(name, self.slam if kind.uncertain else self.state) for name, kind in LIVE_ARRAYS.items()]
         self._shown[episode, agent] = shown = tuple(
             None if owner is None else read_only(getattr(owner, name)[episode, agent]) for name, owner in owners
         )
         return shown
-
-    def _mates(self, episode: int, agent: int) -> tuple[Mate, ...]:
-        state = self.state
-        now = int(state.step[episode])
-        mates = []
-        for mate, when in enumerate(state.last_received_step[episode, agent].tolist()):
-            if when >= 0:
-                row, col = state.last_received_cell[episode, agent, mate].tolist()
-                size = int(state.last_received_size[episode, agent, mate])
-                message = tuple(state.last_received[episode, agent, mate, :size].tolist()) if size >= 0 else None
-                mates.append(Mate(mate, (row, col), now - when, message))
-        return tuple(mates)
 
     def briefing(self, episode: int, agent: int, *, privileged: bool = False) -> Briefing:
         """Return the briefing of one agent's pilot."""
@@ -301,7 +264,7 @@ class World:
             team=self.scenario.team,
             shape=self.state.truth.shape[1:],
             lidar_range=self.scenario.lidar.range,
-            scenario=self.scenario if privileged else self._told,
+            scenario=self.scenario if privileged else self._briefed_scenario,
             rng=generator(self.seeds[episode], Stream.PILOT, agent),
             truth=read_only(self.state.truth[episode]) if privileged else None,
             starts=tuple((row, col) for row, col in self.state.cell[episode].tolist()) if privileged else None,
@@ -321,12 +284,12 @@ class World:
 
     @property
     def counted_coverage(self) -> NDArray[np.float64]:
-        """(B,) the coverage that the goal is about: the base's where UAVs must return, else the team's."""
+        """(B,) coverage that counts for the goal: the base's if UAVs must return, else the team's."""
         return self.base_coverage if self.scenario.base.must_return else self.team_coverage
 
     @property
     def base_coverage(self) -> NDArray[np.float64]:
-        """(B,) coverage of what the home base knows, as a share of the denominator; 0 where there is none."""
+        """(B,) coverage of the home base's map, as a share of the denominator; 0 without a base."""
         return np.asarray(self.state.base_covered / self.state.total)
 
     @property

@@ -42,7 +42,7 @@ def _flown(results: Results, scenario: str) -> dict[str, set[Task]]:
 
 
 def verdict_on(results: Results) -> Verdict:
-    """Check all results, including those of tasks that are not common."""
+    """Check all results, including tasks that not all policies flew."""
     copies, repeats = _copies(results)
     warnings = [
         *_missing(results), *_unlike(results), *copies, *_failed(results), *_failed_checks(results), *_few(results),
@@ -72,10 +72,10 @@ def _headline(results: Results) -> str:
         common = sum(len(results.common_tasks(scenario)) for scenario in results.scenarios)
         return f"The policies did not fly the same tasks: {counted(common, 'task')} of {sum(tasks)} in common."
     same = " the same" if number > 1 else ""
-    return f"{who} flew{same} {counted(sum(tasks), 'task')}: {_made_of(results)}."
+    return f"{who} flew{same} {counted(sum(tasks), 'task')}: {_task_summary(results)}."
 
 
-def _made_of(results: Results) -> str:
+def _task_summary(results: Results) -> str:
     """Describe the tasks: scenarios, maps and seeds."""
     layouts = {_layout(results.tasks(scenario), results, scenario) for scenario in results.scenarios}
     each = layouts.pop() if len(layouts) == 1 else "maps and seeds as listed with each"
@@ -145,10 +145,10 @@ def _copies(results: Results) -> tuple[list[str], list[str]]:
         if flights < len(records):
             many = flights < (1 - FEW_COPIES) * len(records)
             (grave if many else slight)[scenario, len(records), flights].append(policy)
-    return _told_once(grave), _told_once(slight)
+    return _copy_sentences(grave), _copy_sentences(slight)
 
 
-def _told_once(found: Mapping[tuple[str, int, int], Sequence[str]]) -> list[str]:
+def _copy_sentences(found: Mapping[tuple[str, int, int], Sequence[str]]) -> list[str]:
     """Return a sentence for all policies of a scenario with equally many different flights."""
     return [
         f"In {scenario}, the {counted(episodes, 'episode')} of {joined(policies)} are only "
@@ -216,18 +216,17 @@ def _unlike_sizes(results: Results) -> Iterator[str]:
 
 
 def _privileged(results: Results) -> Iterator[str]:
-    if results.privileged_policies:
-        names = ", ".join(results.privileged_policies)
-        yield f"Privileged policies, which are given the true map and are not ranked: {names}."
-    if results.generator_policies:
-        names = ", ".join(results.generator_policies)
-        yield f"Policies that read the settings of the random generator that draws the maps, never the map: {names}."
-    if results.exposed_policies:
-        names = ", ".join(results.exposed_policies)
-        yield f"Policies from outside this package that {EXPOSED}: {names}."
-    if results.batched_policies:
-        names = ", ".join(results.batched_policies)
-        yield f"Policies that decide for many UAVs at once, whose decision times are shares of a batch: {names}."
+    groups = {
+        "Privileged policies, which are given the true map and are not ranked": results.privileged_policies,
+        "Policies that read the settings of the random generator that draws the maps, never the map": (
+            results.generator_policies
+        ),
+        f"Policies from outside this package that {EXPOSED}": results.exposed_policies,
+        "Policies that decide for many UAVs at once, whose decision times are shares of a batch": (
+            results.batched_policies
+        ),
+    }
+    yield from (f"{text}: {', '.join(names)}." for text, names in groups.items() if names)
 
 
 def _aims(results: Results) -> Iterator[str]:
@@ -249,11 +248,11 @@ def _sentences(notes: Sequence[str]) -> list[str]:
 
 
 def _buildings(results: Results) -> Iterator[str]:
-    """Tell where maps of one building count as one."""
+    """Name the scenarios in which maps of one building count as one."""
     comparisons = [Comparison(results, name) for name in results.scenarios]
-    told = {each.maps_flown for each in comparisons if each.building_count < each.map_count}
-    if told:
-        yield f"Intervals and tests count maps of one building as one, as they are alike: {', '.join(sorted(told))}."
+    alike = {each.maps_flown for each in comparisons if each.building_count < each.map_count}
+    if alike:
+        yield f"Intervals and tests count maps of one building as one, as they are alike: {', '.join(sorted(alike))}."
 
 
 def _censored(results: Results) -> Iterator[str]:

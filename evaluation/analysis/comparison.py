@@ -111,7 +111,7 @@ class Comparison:
         return self.success(policy).mean
 
     def to_reference(self, policy: str) -> Estimate:
-        """Return the mean ratio of a policy's steps to those of the reference; NaN without one."""
+        """Return the mean ratio of a policy's steps to the reference's steps; NaN without a reference."""
         ratios = self.results.to_reference(self.scenario, policy, self.level.key)
         held = ~np.isnan(ratios)
         return bootstrap_mean(ratios[held], maps=self.maps(policy)[held])

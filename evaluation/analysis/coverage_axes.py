@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.evaluation.analysis.comparison import Comparison
 from indoor_explorers.evaluation.analysis.outliers import near_groups
-from indoor_explorers.evaluation.harness.episodes.record import AXES, Record
-from indoor_explorers.evaluation.harness.results.results import mean_curve
+from indoor_explorers.evaluation.harness.episodes.record import AXES, Record, mean_curve
 
 #: Episodes of a policy that tell where a curve rises.
 ENOUGH = 1000
@@ -101,15 +100,10 @@ def _active_until(curves: Sequence[NDArray[np.float64]], budget: int, share: flo
 
 
 def _reaches(curve: NDArray[np.float64], share: float) -> int | None:
-    """Return the first step at which a (T,) mean curve is at least a share, by bisection; None for never."""
-    there = curve >= share - 1e-12
-    low, high = 0, len(curve) - 1
-    if not there[high]:
-        return None
-    while low < high:
-        middle = (low + high) // 2
-        low, high = (low, middle) if there[middle] else (middle + 1, high)
-    return low
+    """Return the first step from which a (T,) mean curve stays at a share or above; None if it ends below."""
+    below = np.flatnonzero(curve < share - 1e-12)
+    first = int(below[-1]) + 1 if len(below) else 0
+    return first if first < len(curve) else None
 
 
 def coverage_at(

@@ -11,7 +11,7 @@ from indoor_explorers.evaluation.drawing.formatting import decimals_for, fixed, 
 from indoor_explorers.evaluation.harness.results.coverage_threshold import CoverageThreshold
 from indoor_explorers.evaluation.statistics import FEWEST, Finding
 
-#: Up to so many episodes that never reached a threshold make the interval of its mean too narrow.
+#: Largest number of episodes that never reached a threshold for which the interval of its mean is called too narrow.
 FEW_NEVER = 5
 
 
@@ -60,7 +60,7 @@ def _sound(comparison: Comparison) -> list[str]:
 
 
 def resolved_notes(comparison: Comparison) -> list[str]:
-    """Name the ranked policies that are as good as the best-ranked one, and those of which nothing is shown."""
+    """Name the ranked policies that are as good as the best-ranked one, and those not resolved."""
     first = comparison.ranked_policies[0]
     rivals = {name: comparison.contrasts[name] for name in comparison.ranked_policies if name in comparison.contrasts}
     tested = {name: each for name, each in rivals.items() if each.difference.low is not None and each.margin}

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import re
 import shlex
 import tomllib
@@ -76,8 +74,4 @@ def _episodes(records: list[Record]) -> int:
 
 def quoted(name: str) -> str:
     """Return a name as ``--policies`` and ``--scenario`` expect it, in double quotes if necessary."""
-    if PLAIN.fullmatch(name):
-        return name
-    line = io.StringIO()
-    csv.writer(line, quoting=csv.QUOTE_ALL, lineterminator="").writerow([name])
-    return line.getvalue()
+    return name if PLAIN.fullmatch(name) else '"' + name.replace('"', '""') + '"'

@@ -1,4 +1,4 @@
-"""What the tests resolved and what they did not, in a sentence about one scenario or several."""
+"""Sentences about the differences that tests resolved and did not resolve, in one scenario or several."""
 
 from __future__ import annotations
 
@@ -67,4 +67,4 @@ def resolution(scenarios: Sequence[Outcomes], margin: float) -> Markup:
 
 def _counted(names: Counter[str], scenarios: int) -> str:
     counts = {name: "" if scenarios == 1 else f" in {number}" for name, number in names.items()}
-    return ", ".join(f"{name}{' in all' if names[name] == scenarios > 1 else told}" for name, told in counts.items())
+    return ", ".join(f"{name}{' in all' if names[name] == scenarios > 1 else count}" for name, count in counts.items())

@@ -132,7 +132,7 @@ def team_scalings(scenarios: Mapping[str, Settings]) -> list[TeamScaling]:
 
 
 def setting_sweeps(scenarios: Mapping[str, Settings]) -> list[SettingSweep]:
-    """Return the sweeps of at least three values of a setting: those of :data:`TITLES` in their order, then others.
+    """Return the sweeps of at least three values of a setting: :data:`TITLES` in their order, then other settings.
 
     A scenario may belong to several: to one sweep of each setting.
     """

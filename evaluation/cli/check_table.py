@@ -1,4 +1,4 @@
-"""What ``indoor-explorers check`` prints: the policy, the result of each check, and how to fix failures."""
+"""The output of ``indoor-explorers check``: the policy, the result of each check, and how to fix failures."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ _INDENT = 2
 
 
 def print_header(console: Console, name: str, policy: Policy) -> None:
-    """Print the policy's name, class and parameters, and what it is given to know.
+    """Print the policy's name, class and parameters, and whether it knows the true map.
 
     Raises:
         PolicyError: the policy cannot say whether it is privileged.
 
     """
     kind = type(policy)
-    told = "the true map, too: privileged" if is_privileged(policy) else "its view and briefing alone"
+    known = "the true map, too: privileged" if is_privileged(policy) else "its view and briefing alone"
     if policy.uses_generator:
-        told += "; it reads the settings of the maps' generator (uses_generator)"
+        known += "; it reads the settings of the maps' generator (uses_generator)"
     facts = Table.grid(padding=(0, 2))
     facts.add_column(style="dim", no_wrap=True)
     facts.add_column(overflow="fold")
@@ -35,7 +35,7 @@ def print_header(console: Console, name: str, policy: Policy) -> None:
         ("policy", Text(name, style="bold")),
         ("class", Text(f"{kind.__module__}:{kind.__qualname__}")),
         ("parameters", Text(_parameters(policy))),
-        ("knows", Text(told)),
+        ("knows", Text(known)),
     ):
         facts.add_row(label, value)
     console.print(Padding(facts, (1, 0, 1, _INDENT), expand=False), highlight=False)
@@ -44,8 +44,8 @@ def print_header(console: Console, name: str, policy: Policy) -> None:
 def _parameters(policy: Policy) -> str:
     if not dataclasses.is_dataclass(policy):
         return "none that results can store; make the policy a dataclass"
-    told = [f"{field.name}={shown(getattr(policy, field.name, None))}" for field in dataclasses.fields(policy)]
-    return ", ".join(told) or "none"
+    texts = [f"{field.name}={shown(getattr(policy, field.name, None))}" for field in dataclasses.fields(policy)]
+    return ", ".join(texts) or "none"
 
 
 def print_findings(console: Console, findings: Sequence[Finding]) -> None:

@@ -1,9 +1,11 @@
-"""A command: its name, its options, and what it does with them."""
+"""A command: its name, its options and its function, and what commands print with."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from indoor_explorers.env.errors import debugging as debugging
@@ -14,7 +16,7 @@ if TYPE_CHECKING:
 
     from indoor_explorers.evaluation.cli.console import PlainConsole
 
-#: What Ctrl-C says, unless a command says something else.
+#: The message after Ctrl-C, unless a command has its own.
 KEPT = "what is finished is kept, and the same command goes on from there"
 
 Options = TypeVar("Options", bound=Request)
@@ -32,7 +34,7 @@ class Command(Generic[Options]):
     run: Callable[[Options, str], int]
     """Takes the options and the typed command, and returns the exit status."""
     interrupted: str = KEPT
-    """What Ctrl-C says."""
+    """The message after Ctrl-C."""
 
     def start(self, given: dict[str, Any], typed: str) -> int:
         """Run with the options that were given; returns the exit status."""
@@ -44,6 +46,17 @@ def make_console() -> PlainConsole:
     from indoor_explorers.evaluation.cli.console import PlainConsole
 
     return PlainConsole()
+
+
+@contextmanager
+def written(path: Path, option: str = "--out") -> Iterator[None]:
+    """Report in one line that the block cannot write ``path``, and which option to change."""
+    from indoor_explorers.env.errors import InputError
+
+    try:
+        yield
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written: {error.strerror}; choose another {option}") from error
 
 
 def print_line(console: Console, line: str, style: str | None = None) -> None:

@@ -1,4 +1,4 @@
-"""The console that commands print to: text is text, whatever it is from, and tables in a pipe are not squeezed."""
+"""The console that commands print to: it escapes control characters, and does not squeeze tables in a pipe."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from rich.segment import Segment
 
 #: Characters of a line where the output is not a terminal, and the most of a table there.
 PLAIN_WIDTH, WIDEST = 120, 10_000
-#: Unicode's categories of characters that steer a terminal, reorder a line or cannot be encoded.
+#: Unicode's categories of characters that control a terminal, reorder a line or cannot be encoded.
 UNPRINTABLE = ("Cc", "Cf", "Cs", "Zl", "Zp")
 
 

@@ -24,7 +24,7 @@ from indoor_explorers.env.maps.room_graph import (
 )
 from indoor_explorers.evaluation.drawing.formatting import counted
 
-#: What marks the start in a picture.
+#: The mark of the start in a picture.
 START = "S"
 
 #: The share of the free area from which on a map loses no suspicious part, and a usual map's cells along a side.
@@ -62,7 +62,7 @@ def layout(floorplan: Floorplan) -> str:
 
 
 def cautions(floorplan: Floorplan, path: Path | None = None, resolution: float | None = None) -> list[str]:
-    """Return a line for each thing about a map that may not be as meant.
+    """Return a line for each suspicious property of a map.
 
     Args:
         floorplan: the map.

@@ -1,4 +1,4 @@
-"""What can be set: the parameters of a policy and the hyperparameters of a learner, with defaults and docstrings."""
+"""The parameters of policies and the hyperparameters of learners, with defaults and docstrings."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def policy_parameters(kind: Any) -> list[Parameter]:
     classes = getattr(kind, "__mro__", ())
     if not dataclasses.is_dataclass(kind):
         given = inspect.signature(kind).parameters.values()
-        return [Parameter(each.name, _written(each.default), "") for each in given]
+        return [Parameter(each.name, "" if each.default is each.empty else repr(each.default), "") for each in given]
     about = {name: text for base in reversed(classes) for name, text in _attribute_docstrings(base)}
     return [Parameter(each.name, _default_of(each), about.get(each.name, "")) for each in dataclasses.fields(kind)]
 
@@ -50,10 +50,6 @@ def _default_of(field: dataclasses.Field[Any]) -> str:
     if field.default_factory is not dataclasses.MISSING:
         return repr(field.default_factory())
     return "" if field.default is dataclasses.MISSING else repr(field.default)
-
-
-def _written(default: Any) -> str:
-    return "" if default is inspect.Parameter.empty else repr(default)
 
 
 def _attribute_docstrings(kind: type) -> Iterator[tuple[str, str]]:

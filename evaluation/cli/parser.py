@@ -12,6 +12,8 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, NoReturn, TextIO
 
+from pydantic.fields import FieldInfo
+
 from indoor_explorers.env.errors import (
     LONGEST_LINE,
     InputError,
@@ -21,9 +23,9 @@ from indoor_explorers.env.errors import (
     did_you_mean,
     one_line,
 )
-from indoor_explorers.evaluation.cli.arguments import add_options
 from indoor_explorers.evaluation.cli.command import KEPT, Command, debugging
 from indoor_explorers.evaluation.cli.commands import COMMANDS
+from indoor_explorers.evaluation.harness.experiment.request import Option, Request
 
 #: Exit statuses.
 OK, FAILED, USAGE, INTERRUPTED = 0, 1, 2, 130
@@ -150,7 +152,7 @@ def _start(command: Command[Any], given: dict[str, Any], typed: str) -> int:
     try:
         return command.start(given, typed)
     except SystemExit as error:
-        if isinstance(error.__context__, BrokenPipeError):  # rich exits where nobody reads on
+        if isinstance(error.__context__, BrokenPipeError):  # rich exits when the reader of a pipe has closed it
             raise error.__context__ from None
         raise RunError(f"a policy, or a library that it uses, ended the command: {described(error)}") from error
 
@@ -164,3 +166,32 @@ def _system_error(error: OSError) -> str:
 
 if __name__ == "__main__":
     sys.exit(main())
+
+
+def add_options(parser: argparse.ArgumentParser, request: type[Request]) -> None:
+    """Add an option for every field marked as one; options that are not given are missing in the parsed namespace."""
+    for name, field in request.model_fields.items():
+        for option in field.metadata:
+            if isinstance(option, Option):
+                words = _words(name, field, option)
+                parser.add_argument(*words.pop("flags"), default=argparse.SUPPRESS, help=_help(field), **words)
+
+
+def _words(name: str, field: FieldInfo, option: Option) -> dict[str, Any]:
+    if option.positional:
+        several = {"nargs": "+" if field.is_required() else "*"} if option.several else {}
+        return {"flags": [name], "type": option.read, "metavar": option.metavar, **several}
+    words: dict[str, Any] = {"flags": [option.flag or "--" + name.replace("_", "-")], "dest": name}
+    words["required"] = field.is_required()
+    if field.annotation is bool:
+        return words | {"action": "store_true"}
+    words |= {"type": option.read, "metavar": option.metavar, "choices": option.choices}
+    return words | {"nargs": "+", "action": "extend"} if option.several else words
+
+
+def _help(field: FieldInfo) -> str:
+    """Return the docstring of a field, with its default where that is a word or a number."""
+    text = " ".join((field.description or "").split())
+    if isinstance(field.default, (str, int, float)) and not isinstance(field.default, bool):
+        text += f" Default: {field.default if isinstance(field.default, str) else format(field.default, 'g')}."
+    return text.replace("%", "%%")

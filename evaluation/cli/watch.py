@@ -15,7 +15,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from indoor_explorers.env import Policy, World
 from indoor_explorers.env.errors import InputError, RunError
-from indoor_explorers.env.rendering import Trails, paint, percent, scene_of
+from indoor_explorers.env.rendering import Trails, floored_percent, paint, scene_of
 from indoor_explorers.env.rendering.side_by_side import MOST, SideBySide, paint_side_by_side
 from indoor_explorers.env.rendering.video_writer import FPS, VideoWriter
 from indoor_explorers.env.rendering.window import Window
@@ -92,9 +92,9 @@ class Flight:
             yield going
 
     def ending(self, seed: int) -> str:
-        """Say in words how far the episode came."""
+        """Return the sentence on how far the episode came."""
         state = self.world.state
-        facts = f"step {state.step[0]} of {state.budget[0]}, coverage {percent(self.world.counted_coverage[0])}"
+        facts = f"step {state.step[0]} of {state.budget[0]}, coverage {floored_percent(self.world.counted_coverage[0])}"
         return f"{self.world.scenario.name}, seed {seed}: {facts}"
 
 

@@ -56,6 +56,12 @@ def percent_interval(estimate: Estimate) -> str:
     return f"[{low}, {high}]{THIN_SPACE}%"
 
 
+def percent_with_interval(estimate: Estimate) -> str:
+    """Format ``62 % [50 %, 70 %]``, or the share alone."""
+    low, high = estimate.low, estimate.high
+    return percent(estimate.mean) + ("" if low is None or high is None else f" [{percent(low)}, {percent(high)}]")
+
+
 def p_value(p: float) -> str:
     """Format a p-value: ``= 0.031``, or ``< 0.001``."""
     return "< 0.001" if p < 0.001 else f"= {p:.3f}"
@@ -70,6 +76,12 @@ def counted(number: int, noun: str) -> str:
 def joined(names: Sequence[str]) -> str:
     """Return ``a``, ``a and b``, ``a, b and c``."""
     return " and ".join(part for part in (", ".join(names[:-1]), *names[-1:]) if part)
+
+
+def span(values: Iterable[int]) -> str:
+    """Return ``3``, or ``3 to 8`` from the smallest to the largest; empty without any."""
+    found = sorted(set(values))
+    return " to ".join(map(str, dict.fromkeys(found[:1] + found[-1:])))
 
 
 def seed_span(seeds: Iterable[int]) -> str:

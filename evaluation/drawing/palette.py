@@ -3,7 +3,7 @@
 The colours are those of Okabe and Ito (2008) without the yellow, which is hardly visible on white, each with a
 lighter variant for dark backgrounds, and an indigo. Policies that know the map are black and chance is grey, whatever
 else is drawn. The shipped ones always look the same, so that the figures of two comparisons agree; others get the
-colours that are left. No two of the first 35 share colour and dash.
+least used colours. No two of the first 35 share colour and dash.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ SHIPPED = {
     5: ("frontier-predictive", "horizon", "frontier-minpos", "gso", "pso-predictive"),
     7: ("frontier-latency", "tours", "frontier-utility", "bat", "rrt-frontier"),
 }
-#: The colour of policies that know the map, after those of the others.
+#: The colour of policies that know the map, last in the order.
 BLACK = ("#1b1f24", "#eef0f2")
 #: All colours by :attr:`PolicyStyle.colour`.
 INKS = (*COLOURS, BLACK)
@@ -106,9 +106,9 @@ _FIXED = {
 
 
 def policy_styles(policies: Iterable[str]) -> dict[str, PolicyStyle]:
-    """Return the style of each policy: that of its name if it is shipped, else one that is left.
+    """Return the style of each policy: shipped policies have fixed styles, others the least used colours.
 
-    Facts about them, if given, X
+    A mapping also gives facts about each policy: privileged policies are black, those that plan for nothing grey.
     """
     facts = dict(policies) if isinstance(policies, Mapping) else {}
     names = list(policies)

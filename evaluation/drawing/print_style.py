@@ -6,11 +6,14 @@ import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.ticker import PercentFormatter
 from matplotlib.transforms import Bbox, BboxBase
 
 from indoor_explorers.env.files import written_whole
@@ -71,6 +74,31 @@ def save(figure: Figure, folder: Path, stem: str) -> list[Path]:
             with written_whole(path) as partial:
                 figure.savefig(partial, format=ending, bbox_inches=drawn, **options)
     return paths
+
+
+def save_in_own_size(figure: Figure, folder: Path, stem: str) -> list[Path]:
+    """Write a figure as SVG and PNG in the size that it was made with, and return the paths."""
+    paths = [folder / f"{stem}.{ending}" for ending in ("svg", "png")]
+    for path in paths:
+        with written_whole(path) as partial:
+            figure.savefig(partial, format=path.suffix[1:], **FORMATS[path.suffix[1:]])
+    return paths
+
+
+def grid_below(axes: Axes, axis: Literal["both", "x", "y"] = "both", colour: str = "#e8e8e8") -> None:
+    """Draw thin grid lines below the data."""
+    axes.grid(axis=axis, color=colour, linewidth=0.6)
+    axes.set_axisbelow(True)
+
+
+def percent_axis(axis: Axis) -> None:
+    """Label an axis of shares in percent."""
+    axis.set_major_formatter(PercentFormatter(1.0, decimals=0, symbol=" %"))
+
+
+def legend_beside(axes: Axes, right: float = 1.02) -> None:
+    """Draw the legend to the right of the axes, ``right`` of their widths from their left edge."""
+    axes.legend(loc="upper left", bbox_to_anchor=(right, 1.0), borderaxespad=0.0)
 
 
 def _extent(figure: Figure) -> BboxBase:

@@ -30,7 +30,7 @@ class Cell:
     title: str = ""
     """What the page says where a reader points at it."""
     style: str = ""
-    """Colour and weight at the terminal; by default those of what is best or bad."""
+    """Colour and weight at the terminal; by default bold for the best, red for bad."""
 
     @property
     def line(self) -> str:

@@ -1,6 +1,6 @@
 """The results as a database that Planner Arena opens, OMPL's viewer of benchmarks (plannerarena.org).
 
-The tables and the types of their columns are those of OMPL's benchmark databases (Moll, Sucan & Kavraki 2015,
+Tables and column types follow OMPL's benchmark databases (Moll, Sucan & Kavraki 2015,
 "Benchmarking motion planning algorithms", IEEE Robotics & Automation Magazine 22(3), doi:10.1109/MRA.2015.2448276;
 https://ompl.kavrakilab.org/benchmark.html, "The benchmark database schema"). A scenario is an experiment, a policy
 a planner, an episode a run. Planner Arena labels time "s"; here every time is in steps. No run is left out or has
@@ -43,7 +43,7 @@ CREATE TABLE progress (
     FOREIGN KEY (runid) REFERENCES runs (id) ON DELETE CASCADE
 );
 """
-#: Whose coverage is told.
+#: Whose coverage ``progress`` has.
 OF_TEAMS = ("team", "worst", "mean")
 #: The texts of ``status``, by the outcome of the episode.
 STATUSES = {

@@ -17,7 +17,7 @@ from indoor_explorers.evaluation.analysis.tables.policy_cells import (
     result_cells,
 )
 from indoor_explorers.evaluation.analysis.tables.policy_names import footnotes, marked
-from indoor_explorers.evaluation.drawing.formatting import counted, percent, slug
+from indoor_explorers.evaluation.drawing.formatting import percent, slug, span
 from indoor_explorers.evaluation.drawing.table import Column, Row, Table
 from indoor_explorers.evaluation.harness.results.coverage_threshold import T99, CoverageThreshold, tabled
 from indoor_explorers.evaluation.harness.results.results import Results
@@ -57,12 +57,11 @@ def _table(comparison: Comparison, key: str, missing: Sequence[str]) -> Table:
 def caption(comparison: Comparison) -> list[str]:
     """Return the sentences that explain a table's figures."""
     counts = [len(records) for records in comparison.groups.values()]
-    span = counted(counts[0], "episode") if len(set(counts)) == 1 else f"{min(counts)} to {max(counts)} episodes"
-    budgets = sorted({record.budget for record in comparison.records})
-    limit = f"{budgets[0]}" if len(budgets) == 1 else f"{budgets[0]} to {budgets[-1]}"
+    limit = span(record.budget for record in comparison.records)
     settings = comparison.results.scenarios[comparison.scenario]
     return [
-        f"{span} of each policy on {comparison.maps_flown}{_of_suite(comparison)}.",
+        f"{span(counts)} episode{'s' * (max(counts) > 1)} of each policy on {comparison.maps_flown}"
+        f"{_of_suite(comparison)}.",
         _interval_kind(comparison, min(counts)),
         f"Coverage is the {denominator(settings)}.",
         f"{_times(comparison.level)}; an episode that never reaches it counts as its budget of {limit} steps.",

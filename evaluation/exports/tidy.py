@@ -7,10 +7,9 @@ from pathlib import Path
 
 import pandas as pd
 
-from indoor_explorers.env.files import written_whole
 from indoor_explorers.evaluation.analysis.comparison import Comparison
 from indoor_explorers.evaluation.analysis.coverage_axes import coverage_at, sampled_steps
-from indoor_explorers.evaluation.harness.results.results import Results
+from indoor_explorers.evaluation.harness.results.results import Results, write_csv
 from indoor_explorers.evaluation.statistics import curve_band
 
 CURVE_COLUMNS = ("scenario", "policy", "step", "mean", "low", "high")
@@ -20,12 +19,12 @@ POINTS = 600
 
 def write_episodes(results: Results, path: Path) -> None:
     """Write results.csv: one row for each episode with every metric; cells are empty for T_q never reached."""
-    _write(results.episodes(), path)
+    write_csv(results.episodes(), path)
 
 
 def write_curves(results: Results, path: Path) -> None:
     """Write curves.csv: mean team coverage by step with its band; no band where there are too few episodes."""
-    _write(pd.DataFrame(_curve_rows(results), columns=list(CURVE_COLUMNS)).round(6), path)
+    write_csv(pd.DataFrame(_curve_rows(results), columns=list(CURVE_COLUMNS)).round(6), path)
 
 
 def _curve_rows(results: Results) -> Iterator[tuple[str, str, int, float, float, float]]:
@@ -36,8 +35,3 @@ def _curve_rows(results: Results) -> Iterator[tuple[str, str, int, float, float,
             band = curve_band(coverage_at(records, steps), maps=comparison.maps(policy))
             for step, *point in zip(steps, *band, strict=True):
                 yield scenario, policy, int(step), *point
-
-
-def _write(table: pd.DataFrame, path: Path) -> None:
-    with written_whole(path) as partial:
-        table.to_csv(partial, index=False, lineterminator="\n")

@@ -30,7 +30,7 @@ def folded(numbers: NDArray[np.int64]) -> NDArray[np.int64]:
 
 
 class Keyed(NamedTuple):
-    """Numbers with rising keys; those of one key have an order."""
+    """Numbers sorted by key; numbers of the same key keep their order."""
 
     keys: NDArray[np.int64]
     numbers: NDArray[np.int64]

@@ -19,7 +19,7 @@ from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
 from indoor_explorers.env.files import written_whole
-from indoor_explorers.evaluation.analysis.changes.against import Against
+from indoor_explorers.evaluation.analysis.against import Against
 from indoor_explorers.evaluation.analysis.comparison import Comparison
 from indoor_explorers.evaluation.analysis.facts import shown
 from indoor_explorers.evaluation.analysis.failures import ending
@@ -100,7 +100,7 @@ def render(
     ratio_to: Sequence[str] | None = None,
     panels: Sequence[str] = (),
 ) -> str:
-    """Return the page, in one piece, as text; its arguments are those of :func:`write_report`."""
+    """Return the page, in one piece, as text; for its arguments see :func:`write_report`."""
     return _Page(results, title, against, replays, ratio_to, panels).text()
 
 

@@ -14,11 +14,12 @@ from indoor_explorers.evaluation.analysis.headline import headline
 from indoor_explorers.evaluation.analysis.notes import detectable_notes, narrow_notes, unseen_notes
 from indoor_explorers.evaluation.analysis.panels import ScenarioPanels, scenario_panels
 from indoor_explorers.evaluation.analysis.tables.contrast_table import ContrastRow, contrast_table
-from indoor_explorers.evaluation.analysis.tables.measures_table import MeasureRow, measures_table
 from indoor_explorers.evaluation.analysis.tables.results_table import (
     MeasureColumn,
+    MeasureRow,
     columns_of,
     constant_columns,
+    measures_table,
     results_table,
 )
 from indoor_explorers.evaluation.drawing.palette import Styles

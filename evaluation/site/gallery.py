@@ -43,8 +43,8 @@ class Harder(NamedTuple):
     policy: str
     scenario: str
     settings: dict[str, Any]
-    told: str
-    """What the picture shows, as a sentence."""
+    caption: str
+    """A sentence about the picture."""
 
 
 #: The episodes of harder tasks by name.
@@ -160,7 +160,7 @@ def gallery_page() -> str:
     lines += _grid((f"scenario-{name}", f"`{name}`") for name in scenarios())
     lines += ["## [Harder tasks](harder-tasks.md)", ""]
     lines += _grid(
-        (f"harder-{name}", f"`{one.policy}` on `{one.scenario}`. {one.told}") for name, one in HARDER.items()
+        (f"harder-{name}", f"`{one.policy}` on `{one.scenario}`. {one.caption}") for name, one in HARDER.items()
     )
     lines += [f"## Policies, in `{OFFICES}`", ""]
     lines += _grid((f"policy-{name}", f"`{name}`") for name in policy_names())

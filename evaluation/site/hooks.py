@@ -1,7 +1,7 @@
-"""What mkdocs does besides: documents of the other folders become pages, and links between files lead to pages.
+"""Hooks of mkdocs: documents of the other folders become pages, and links between files lead to pages.
 
 Pages and documents link to files of the repository, so that they read as well there. ``gallery.py`` and
-``reference.py`` make pages of the code.
+``reference.py`` generate pages from the code.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ DOCUMENTS = {
     "learners/pockets/POCKETS.md": "methods/pockets.md",
     "env/maps/FLOORS.md": "methods/floors.md",
 }
-#: The pages that are made of the code.
+#: The pages that are generated from the code.
 MADE = {
     "gallery.md": gallery_page,
     "reference/command-line.md": command_line_page,
@@ -94,7 +94,7 @@ _CODE = re.compile(r"(^```.*?^```$|^ {4}[^\n]*$)", re.MULTILINE | re.DOTALL)
 
 
 def on_files(files: Any, config: Any) -> Any:
-    """Add the documents, what they link to, and the pages that are made of the code."""
+    """Add the documents, what they link to, and the pages generated from the code."""
     for source, page in DOCUMENTS.items():
         files.append(File.generated(config, page, content=(ROOT / source).read_text("utf-8")))
     for page, make in MADE.items():
@@ -103,7 +103,7 @@ def on_files(files: Any, config: Any) -> Any:
         files.append(File.generated(config, page, content=content))
     data = config.extra["data"]
     comparisons = [*experiments(config.extra["episodes"]), *(suites(Path(data).expanduser()) if data else ())]
-    console = make_console()  # mkdocs is quiet, and flights and pictures take minutes
+    console = make_console()  # mkdocs prints nothing meanwhile, and flights and pictures take minutes
     reports = list(published(Path(config.site_dir).parent / "published", comparisons, console))
     for report in reports:
         files.append(File.generated(config, report.file, content=report.report))
@@ -148,7 +148,7 @@ def _in_repository(uri: str, target: str) -> str:
 
 
 def _source(uri: str) -> str:
-    """Return the file of the repository that a page is made of."""
+    """Return the repository file behind a page."""
     return next((source for source, page in DOCUMENTS.items() if page == uri), f"{PAGES}/{uri}")
 
 

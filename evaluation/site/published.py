@@ -40,7 +40,7 @@ SUITE_POLICIES = (
 
 
 @dataclass(frozen=True)
-class Comparison:
+class PublishedComparison:
     """A comparison whose report is on the site."""
 
     name: str
@@ -56,8 +56,8 @@ class Comparison:
         """The command that flies it; folders are named DIR."""
         words = ["indoor-explorers compare"]
         for name, value in (dict(self.options) | {"out": Path()}).items():
-            told = "DIR" if isinstance(value, Path) else ",".join(value) if isinstance(value, tuple) else value
-            words.append(f"--{name.replace('_', '-')} {told}")
+            written = "DIR" if isinstance(value, Path) else ",".join(value) if isinstance(value, tuple) else value
+            words.append(f"--{name.replace('_', '-')} {written}")
         return " ".join(words)
 
 
@@ -65,7 +65,7 @@ class Comparison:
 class PublishedReport:
     """The report of a comparison and where its episodes come from."""
 
-    comparison: Comparison
+    comparison: PublishedComparison
     origin: Origin
     report: bytes
     """The HTML page."""
@@ -76,15 +76,15 @@ class PublishedReport:
         return f"reports/{self.comparison.name}.html"
 
 
-def experiments(episodes: int | None = None) -> Iterator[Comparison]:
+def experiments(episodes: int | None = None) -> Iterator[PublishedComparison]:
     """Yield the published experiments, with as many episodes as are published unless ``episodes`` is given."""
     fewer = {} if episodes is None else {"episodes": episodes}
     for name in PUBLISHED:
         about = _about(EXPERIMENTS / f"{name}.toml")
-        yield Comparison(name, f"The experiment {name}", about, {"experiment": name} | fewer)
+        yield PublishedComparison(name, f"The experiment {name}", about, {"experiment": name} | fewer)
 
 
-def suites(data: Path) -> Iterator[Comparison]:
+def suites(data: Path) -> Iterator[PublishedComparison]:
     """Yield the published comparisons on test parts of suites, whose maps are in the folder ``data``."""
     for suite, team, radio in SUITES:
         name = f"{suite}-{team}" if radio is None else f"{suite}-{team}-{radio}"
@@ -93,11 +93,11 @@ def suites(data: Path) -> Iterator[Comparison]:
         about = f"{about[0].upper()}{about[1:]}. There are no replays, since the maps belong to others."
         options = {"suite": suite, "part": "test", "team": team} | ({} if radio is None else {"radio": radio})
         options |= {"policies": SUITE_POLICIES, "data": data, "ratio_to": ("frontier-nearest", "frontier-predictive")}
-        yield Comparison(name, heading, about, options, replays=0)
+        yield PublishedComparison(name, heading, about, options, replays=0)
 
 
 def published(
-    folder: Path, comparisons: Iterable[Comparison], console: PlainConsole | None = None
+    folder: Path, comparisons: Iterable[PublishedComparison], console: PlainConsole | None = None
 ) -> Iterator[PublishedReport]:
     """Fly comparisons into ``folder`` where they are not there yet, and yield their reports.
 
@@ -129,7 +129,7 @@ def _about(file: Path) -> str:
 
 
 def reports_page(reports: list[PublishedReport], *, with_suites: bool) -> str:
-    """Return the page that lists the reports, and tells how to have those of the suites where they are missing."""
+    """Return the page that lists the reports, and the way to fly the suites where they are missing."""
     lines = [
         "# Reports",
         "",

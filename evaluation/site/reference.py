@@ -1,4 +1,4 @@
-"""Reference pages that are made of the code: the command line, the settings of scenarios, and the public names."""
+"""Reference pages generated from the code: the command line, the settings of scenarios, and the public names."""
 
 from __future__ import annotations
 
@@ -50,8 +50,8 @@ def command_line_page() -> str:
     """Return the help of every command."""
     parser = build_parser()
     (commands,) = (action for action in parser._actions if isinstance(action, argparse._SubParsersAction))
-    told = [f"## {name}\n\n```text\n{each.format_help().strip()}\n```\n" for name, each in commands.choices.items()]
-    return "\n".join(["# Command line\n", f"```text\n{parser.format_help().strip()}\n```\n", *told])
+    helps = [f"## {name}\n\n```text\n{each.format_help().strip()}\n```\n" for name, each in commands.choices.items()]
+    return "\n".join(["# Command line\n", f"```text\n{parser.format_help().strip()}\n```\n", *helps])
 
 
 def metrics_page() -> str:
@@ -96,8 +96,8 @@ def files_page() -> str:
         "",
     ]
     lines += ["```sql", rows.SCHEMA.strip(), "```", "", inspect.cleandoc(STORE_NOTES), ""]
-    told = ", ".join(f"`{column}`" for column in STEP_COLUMNS)
-    lines += ["## Exported episodes", "", inspect.cleandoc(EXPORT_NOTES).format(columns=told), ""]
+    steps = ", ".join(f"`{column}`" for column in STEP_COLUMNS)
+    lines += ["## Exported episodes", "", inspect.cleandoc(EXPORT_NOTES).format(columns=steps), ""]
     return "\n".join(lines)
 
 
@@ -119,7 +119,7 @@ def settings_page() -> str:
 
 
 def _tables(model: type[BaseModel], title: str, prefix: str) -> Iterator[tuple[str, type[BaseModel], str]]:
-    """Yield a model and those of its fields, with titles and the prefixes of their keys."""
+    """Yield a model and the models of its fields, with titles and the prefixes of their keys."""
     yield title, model, prefix
     for name, field in model.model_fields.items():
         models = [each for each in _parts(field.annotation) if isinstance(each, type) and issubclass(each, BaseModel)]
@@ -147,10 +147,6 @@ def _row(key: str, field: FieldInfo) -> str:
     return f"| `{key}` | {values} | {_escaped(default)} | {_escaped(' '.join((field.description or '').split()))} |"
 
 
-def _bounds(metadata: object) -> Iterator[tuple[str, object]]:
-    yield from ((name, getattr(metadata, name)) for name in SIGNS if hasattr(metadata, name))
-
-
 def _short(value: object) -> str:
     return "its defaults" if isinstance(value, BaseModel) else repr(value)
 
@@ -171,7 +167,7 @@ def public_modules() -> list[str]:
 
 def python_pages() -> dict[str, str]:
     """Return a page for each public module, and one that lists them; an undocumented name is refused."""
-    pages, told = {}, ["# Python", ""]
+    pages, index = {}, ["# Python", ""]
     described: dict[str, str] = {}
     for name in public_modules():
         module = importlib.import_module(name)
@@ -180,8 +176,8 @@ def python_pages() -> dict[str, str]:
         for public in sorted(module.__all__):
             lines += _described(f"{name}.{public}", getattr(module, public), described)
         pages[f"reference/{page}"] = "\n".join(lines)
-        told += [f"## [{name}]({page})", "", about, "", ", ".join(f"`{each}`" for each in sorted(module.__all__)), ""]
-    return {"reference/python.md": "\n".join(told)} | pages
+        index += [f"## [{name}]({page})", "", about, "", ", ".join(f"`{each}`" for each in sorted(module.__all__)), ""]
+    return {"reference/python.md": "\n".join(index)} | pages
 
 
 def _described(name: str, value: object, described: dict[str, str]) -> list[str]:

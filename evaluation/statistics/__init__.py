@@ -17,9 +17,8 @@ from indoor_explorers.evaluation.statistics.means import (
     interquartile_mean,
     paired_difference,
 )
-from indoor_explorers.evaluation.statistics.pairs import AllPairs, all_pairs_test
+from indoor_explorers.evaluation.statistics.pairs import AllPairs, all_pairs_test, tied_ranks
 from indoor_explorers.evaluation.statistics.profiles import performance_profile, performance_ratios
-from indoor_explorers.evaluation.statistics.ranks import tied_ranks
 from indoor_explorers.evaluation.statistics.ratios import Block, PairedRatio, paired_ratios, ratio_of_means
 from indoor_explorers.evaluation.statistics.resampling import maps_are_sampled, resampled_weights
 from indoor_explorers.evaluation.statistics.seeds import difference_of_seeds, mean_of_seeds

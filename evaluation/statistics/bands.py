@@ -6,11 +6,10 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from indoor_explorers.evaluation.statistics.estimate import CONFIDENCE, FEWEST
-from indoor_explorers.evaluation.statistics.resampling import resampled_weights
-from indoor_explorers.evaluation.statistics.small_samples import SmallSample
+from indoor_explorers.evaluation.statistics.estimate import CONFIDENCE, FEWEST, Maps
+from indoor_explorers.evaluation.statistics.resampling import SmallSample, resampled_weights
 
 #: Numbers of resampled curves, and weights of the resamples, in memory at a time.
 IN_MEMORY, WEIGHTS = 2**22, 2**20
@@ -26,7 +25,7 @@ class Band(NamedTuple):
     high: NDArray[np.float64]
 
 
-def curve_band(curves: NDArray[np.float64], *, maps: ArrayLike | None = None, resamples: int = 2000) -> Band:
+def curve_band(curves: NDArray[np.float64], *, maps: Maps = None, resamples: int = 2000) -> Band:
     """Return (mean, low, high), each (T,), of (E, T) curves: a simultaneous 95 % band of the mean curve.
 
     With 95 % confidence the true mean curve lies inside at all steps at once. The band is
@@ -50,9 +49,7 @@ def curve_band(curves: NDArray[np.float64], *, maps: ArrayLike | None = None, re
     return curve_bands([curves], maps=maps, resamples=resamples)[0]
 
 
-def curve_bands(
-    families: Sequence[NDArray[np.float64]], *, maps: ArrayLike | None = None, resamples: int = 2000
-) -> list[Band]:
+def curve_bands(families: Sequence[NDArray[np.float64]], *, maps: Maps = None, resamples: int = 2000) -> list[Band]:
     """Return :func:`curve_band` of several (E, T) arrays of the same episodes, from one set of resamples."""
     if not families or len(families[0]) < FEWEST:
         means = [curves.mean(axis=0) for curves in families]
@@ -79,9 +76,7 @@ def _band(curves: NDArray[np.float64], drawn: NDArray[np.float64], sample: Small
     return Band(mean, mean - width, mean + width)
 
 
-def _resampled_curves(
-    families: Sequence[NDArray[np.float64]], maps: ArrayLike | None, resamples: int
-) -> list[NDArray[np.float64]]:
+def _resampled_curves(families: Sequence[NDArray[np.float64]], maps: Maps, resamples: int) -> list[NDArray[np.float64]]:
     """Return (R, T) resampled means of each family."""
     parts: list[list[NDArray[np.float64]]] = [[] for _ in families]
     for weights in _together(resampled_weights(len(families[0]), resamples, maps)):

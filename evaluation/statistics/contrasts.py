@@ -16,7 +16,7 @@ from indoor_explorers.env import InputError
 from indoor_explorers.env.errors import did_you_mean
 from indoor_explorers.evaluation.statistics.effects import effect_size, smallest_detectable_difference
 from indoor_explorers.evaluation.statistics.equivalence import equivalence_test, units_to_resolve
-from indoor_explorers.evaluation.statistics.estimate import CONFIDENCE, Estimate, paired_values
+from indoor_explorers.evaluation.statistics.estimate import CONFIDENCE, Estimate, Maps, paired_values
 from indoor_explorers.evaluation.statistics.means import bootstrap_mean, bootstrap_means
 from indoor_explorers.evaluation.statistics.pairs import all_pairs_test
 from indoor_explorers.evaluation.statistics.resampling import MapGroups
@@ -116,7 +116,7 @@ def contrasts(
     values: Mapping[str, ArrayLike],
     baseline: str,
     *,
-    maps: ArrayLike | None = None,
+    maps: Maps = None,
     lower_is_better: bool = True,
     chosen: bool = False,
     reached: Mapping[str, ArrayLike] | None = None,
@@ -171,7 +171,7 @@ class _Family:
     """(E, K) whether the task was finished."""
     place: int
     """Column of the baseline."""
-    maps: ArrayLike | None
+    maps: Maps
     lower_is_better: bool
     margin: float
 

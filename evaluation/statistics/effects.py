@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import special
 
 from indoor_explorers.env import InputError
-from indoor_explorers.evaluation.statistics.estimate import CONFIDENCE, episode_values
+from indoor_explorers.evaluation.statistics.estimate import CONFIDENCE, Maps, episode_values
 from indoor_explorers.evaluation.statistics.resampling import independent_units
 
 #: Power of the smallest detectable difference.
@@ -40,7 +40,7 @@ def effect_size(differences: ArrayLike) -> float:
 
 
 def smallest_detectable_difference(
-    differences: ArrayLike, *, power: float = POWER, level: float = 1 - CONFIDENCE, maps: ArrayLike | None = None
+    differences: ArrayLike, *, power: float = POWER, level: float = 1 - CONFIDENCE, maps: Maps = None
 ) -> float:
     """Return the smallest true mean difference that a paired two-sided test detects with this power.
 
@@ -72,7 +72,7 @@ def smallest_detectable_difference(
     return (found + missed) * unit_spread(sample, maps) / math.sqrt(count)
 
 
-def unit_spread(sample: NDArray[np.float64], maps: ArrayLike | None = None) -> float:
+def unit_spread(sample: NDArray[np.float64], maps: Maps = None) -> float:
     """Return the standard deviation of the independent units of (E,) values about their mean; NaN for fewer than two.
 
     Over the root of their number it is the standard error of the mean over episodes; of maps with one episode each, and

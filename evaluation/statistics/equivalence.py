@@ -11,11 +11,11 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy import special
 
 from indoor_explorers.evaluation.statistics.effects import POWER, unit_spread
-from indoor_explorers.evaluation.statistics.estimate import FEWEST
+from indoor_explorers.evaluation.statistics.estimate import FEWEST, Maps
 from indoor_explorers.evaluation.statistics.resampling import independent_units
 from indoor_explorers.evaluation.statistics.significance import holm
 
@@ -28,7 +28,7 @@ def equivalence_test(
     pairs: Sequence[tuple[int, int]],
     margin: float,
     *,
-    maps: ArrayLike | None = None,
+    maps: Maps = None,
     reached: NDArray[np.bool_] | None = None,
 ) -> NDArray[np.float64]:
     """Return the (P,) p-values, adjusted for all ``pairs``, of "the means differ by ``margin`` or more".
@@ -53,7 +53,7 @@ def equivalence_test(
     return holm(np.maximum(*(_above_zero(np.where(both, side, 0.0), maps) for side in sides)))
 
 
-def _above_zero(side: NDArray[np.float64], maps: ArrayLike | None) -> NDArray[np.float64]:
+def _above_zero(side: NDArray[np.float64], maps: Maps) -> NDArray[np.float64]:
     """Return the (P,) one-sided p-values that the means of (E, P) values are above 0."""
     units = independent_units(side, maps)
     if len(units) < FEWEST:
@@ -74,13 +74,13 @@ def units_to_resolve(
     margin: float,
     *,
     level: float,
-    maps: ArrayLike | None = None,
+    maps: Maps = None,
 ) -> float:
     """Return how many maps or tasks would resolve what this sample leaves open, with 80 % power, if it is typical.
 
-    If mean difference and spread are those observed, a t test of so many shows a difference, or two that the policies
-    are as good within the margin, whichever needs fewer. It is more than this sample has, exact up to about 50, and NaN
-    for fewer than two units.
+    If mean difference and spread are those observed, a t test of that many units shows a difference, or two tests show
+    equivalence within the margin, whichever needs fewer. The number is above that of this sample, exact up to about 50,
+    and NaN for fewer than two units.
 
     Args:
         values: (E,) steps of a policy.
@@ -99,7 +99,7 @@ def units_to_resolve(
     return max(units + 1.0, min(equal, different), math.ceil(1 - math.log2(level)))
 
 
-def _units_to_show(samples: Sequence[NDArray[np.float64]], level: float, maps: ArrayLike | None) -> float:
+def _units_to_show(samples: Sequence[NDArray[np.float64]], level: float, maps: Maps) -> float:
     """Return how many units show that the means of all samples are above 0, infinite where none do."""
     missed = np.zeros(len(COUNTS))
     for sample in samples:

@@ -15,6 +15,8 @@ FEWEST = 5
 RESAMPLES = 10_000
 #: Nominal coverage of intervals and bands; a difference is significant where p <= 1 - CONFIDENCE.
 CONFIDENCE = 0.95
+#: The (E,) labels of the maps that E episodes were flown on; None where each episode counts as a map of its own.
+Maps = ArrayLike | None
 
 
 class Estimate(NamedTuple):

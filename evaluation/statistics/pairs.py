@@ -1,13 +1,13 @@
-"""The test of all pairs of policies: which is better, where some episodes never reach the threshold."""
+"""The test of all pairs of policies, and ranks with ties; some episodes may never reach the threshold."""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from indoor_explorers.evaluation.statistics.estimate import CONFIDENCE, episode_values
+from indoor_explorers.evaluation.statistics.estimate import CONFIDENCE, Maps, episode_values
 from indoor_explorers.evaluation.statistics.resampling import independent_units
 from indoor_explorers.evaluation.statistics.significance import max_t_test
 
@@ -39,7 +39,7 @@ class AllPairs(NamedTuple):
 
 
 def all_pairs_test(
-    values: NDArray[np.float64], maps: ArrayLike | None = None, reached: NDArray[np.bool_] | None = None
+    values: NDArray[np.float64], maps: Maps = None, reached: NDArray[np.bool_] | None = None
 ) -> AllPairs:
     """Test all pairs of K policies at once, so that any of them may be chosen afterwards.
 
@@ -77,3 +77,29 @@ def _square(pairs: NDArray[np.float64], count: int, sign: int) -> NDArray[np.flo
     square = np.zeros((count, count))
     square[np.triu_indices(count, 1)] = pairs
     return square + sign * square.T
+
+
+def tied_ranks(
+    values: NDArray[np.float64],
+    maps: Maps = None,
+    *,
+    reached: NDArray[np.bool_] | None = None,
+    lower_is_better: bool = True,
+) -> list[int]:
+    """Return the rank of each of K policies: 1 + the number of policies that are significantly better.
+
+    All pairs are tested at once, see :class:`~indoor_explorers.evaluation.statistics.pairs.AllPairs`. Policies between
+    which no difference is shown may still have different ranks, when a third one is shown to be better than one of them
+    alone.
+
+    Args:
+        values: (E, K) on the same tasks.
+        maps: (E,) label of the map each task was flown on.
+        reached: (E, K) whether each task was finished; by default all.
+        lower_is_better: whether a smaller value is better.
+
+    """
+    if values.shape[1] < 2:
+        return [1] * values.shape[1]
+    better = all_pairs_test(values, maps, reached).better(lower_is_better=lower_is_better)
+    return [1 + int(count) for count in better.sum(axis=0)]

@@ -10,9 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from indoor_explorers.env import InputError
-from indoor_explorers.evaluation.statistics.estimate import FEWEST, RESAMPLES, Estimate, paired_values
-from indoor_explorers.evaluation.statistics.resampling import resampled_weights
-from indoor_explorers.evaluation.statistics.small_samples import SmallSample
+from indoor_explorers.evaluation.statistics.estimate import FEWEST, RESAMPLES, Estimate, Maps, paired_values
+from indoor_explorers.evaluation.statistics.resampling import SmallSample, resampled_weights
 
 
 class PairedRatio(NamedTuple):
@@ -66,7 +65,7 @@ def paired_ratios(blocks: Sequence[Block], *, resamples: int = RESAMPLES) -> lis
 
 
 def ratio_of_means(
-    numerator: ArrayLike, denominator: ArrayLike, *, maps: ArrayLike | None = None, resamples: int = RESAMPLES
+    numerator: ArrayLike, denominator: ArrayLike, *, maps: Maps = None, resamples: int = RESAMPLES
 ) -> Estimate:
     """Return mean(numerator) / mean(denominator) of (E,) values on the same tasks, with its interval.
 

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import special
 
 from indoor_explorers.env import InputError
-from indoor_explorers.evaluation.statistics.estimate import CONFIDENCE, episode_values
+from indoor_explorers.evaluation.statistics.estimate import CONFIDENCE, Maps, episode_values
 from indoor_explorers.evaluation.statistics.resampling import independent_units
 
 #: The test is exact, over all 2^units flips, up to this many units.
@@ -21,7 +21,7 @@ FLIPS = 10_000
 CHUNK = 2**20
 
 
-def sign_flip_test(differences: ArrayLike, maps: ArrayLike | None = None) -> float:
+def sign_flip_test(differences: ArrayLike, maps: Maps = None) -> float:
     """Return the two-sided p-value of the sign-flip test of paired differences (Fisher 1935).
 
     If neither policy were better, each difference would be as likely with the other sign. The p-value is the

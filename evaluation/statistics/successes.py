@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import special
 
-from indoor_explorers.evaluation.statistics.estimate import CONFIDENCE, FEWEST, Estimate, paired_values
+from indoor_explorers.evaluation.statistics.estimate import CONFIDENCE, FEWEST, Estimate, Maps, paired_values
 from indoor_explorers.evaluation.statistics.resampling import independent_units
 from indoor_explorers.evaluation.statistics.significance import sign_flip_test
 
@@ -27,7 +27,7 @@ def success_share(reached: ArrayLike) -> Estimate:
     return Estimate(hits / count, low, high)
 
 
-def success_test(reached: ArrayLike, baseline: ArrayLike, maps: ArrayLike | None = None) -> float:
+def success_test(reached: ArrayLike, baseline: ArrayLike, maps: Maps = None) -> float:
     """Return the two-sided p-value of a paired test of success: McNemar's, exact.
 
     Of the tasks that just one of the two solved, either is as likely to have solved each if they succeed equally often

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from indoor_explorers.evaluation.statistics.estimate import RESAMPLES, Estimate, paired_values
+from indoor_explorers.evaluation.statistics.estimate import RESAMPLES, Estimate, Maps, paired_values
 from indoor_explorers.evaluation.statistics.means import bootstrap_mean
 
 
@@ -47,7 +47,7 @@ def probability_of_improvement(
     baseline: ArrayLike,
     *,
     lower_is_better: bool = True,
-    maps: ArrayLike | None = None,
+    maps: Maps = None,
     resamples: int = RESAMPLES,
 ) -> Estimate:
     """Return the probability that a policy does better than the baseline on a task, with its interval.

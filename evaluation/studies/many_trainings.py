@@ -6,6 +6,7 @@ another one. A failure does not end the others. Run as a module, this is the pro
 
 from __future__ import annotations
 
+import csv
 import json
 import os
 import signal
@@ -13,11 +14,14 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import IO, Any, NamedTuple
 
 from indoor_explorers.env import InputError
+from indoor_explorers.env.errors import did_you_mean
+from indoor_explorers.env.files import written_whole
 from indoor_explorers.env.scenarios.loading import named_scenario
 from indoor_explorers.evaluation.studies.training import configured, find_learner, run_training
 
@@ -110,6 +114,29 @@ class TrainingProcess:
         """End the process at once."""
         self._process.kill()
         self.wait()
+
+
+def matching(names: Collection[str], patterns: Sequence[str], kind: str) -> list[str]:
+    """Return the names that match any of the patterns, as file names do; ``kind`` says what they name.
+
+    Raises:
+        InputError: a pattern matches none.
+
+    """
+    for pattern in patterns:
+        if not any(fnmatchcase(name, pattern) for name in names):
+            raise InputError(f"no {kind} is called {pattern!r}{did_you_mean(pattern, names)}")
+    return [name for name in names if any(fnmatchcase(name, pattern) for pattern in patterns)]
+
+
+def write_rows(
+    path: Path, columns: Sequence[str], rows: Iterable[Mapping[str, Any]], *, lineterminator: str = "\n"
+) -> None:
+    """Write a CSV file; cells that a row lacks are empty."""
+    with written_whole(path) as partial, partial.open("w", newline="", encoding="utf-8") as file:
+        table = csv.DictWriter(file, columns, restval="", lineterminator=lineterminator)
+        table.writeheader()
+        table.writerows(rows)
 
 
 def train_all(trainings: Sequence[Training], jobs: int, tell: Callable[[str], None]) -> list[Failure]:

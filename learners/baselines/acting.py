@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import pickle
 from abc import abstractmethod
 from collections.abc import Sequence
@@ -23,20 +22,17 @@ from indoor_explorers.env.observations import Encoder, make_encoder
 from indoor_explorers.env.policies.policy import TRAINED_GOAL, Policy
 from indoor_explorers.env.policies.registry import missing_module
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.env.provenance import recorded_maps
 from indoor_explorers.env.scenarios.validation import validated
 from indoor_explorers.learners.baselines.config import EGOCENTRIC, BaselineConfig
-from indoor_explorers.learners.baselines.evaluation import Scores, best_moves
-from indoor_explorers.learners.baselines.trainee import BaselineRecord
+from indoor_explorers.learners.baselines.trainee import BaselineRecord, Scores, best_moves
 from indoor_explorers.learners.guard import WatchedPilot
 from indoor_explorers.learners.sessions.process import one_thread
-from indoor_explorers.learners.sessions.record import RECORD, read_record
-from indoor_explorers.learners.sessions.seeds import recorded_seeds
+from indoor_explorers.learners.sessions.record import RECORD, RecordedWeights, digest_of, read_record
 
 
 @dataclass(frozen=True)
 class TrainedModel:
-    """The content of a training's folder that a policy needs."""
+    """The content of the folder of a training."""
 
     record: BaselineRecord
     """The record of the training."""
@@ -48,9 +44,8 @@ class TrainedModel:
     def encoder(self, briefing: Briefing) -> Encoder:
         """Return the encoder of a UAV's views that was used in training.
 
-        Raises:
-            InputError: the observation depends on the map's size, and the map has another one than in training.
-
+        Raises :class:`InputError` if the observation depends on the map's size, and the map has another one than in
+        training.
         """
         if self.config.observation != EGOCENTRIC and briefing.shape != self.record.shape:
             raise InputError(
@@ -61,7 +56,7 @@ class TrainedModel:
 
 
 @dataclass(frozen=True, kw_only=True)
-class TrainedPolicy(Policy):
+class TrainedPolicy(RecordedWeights, Policy):
     """Fly a trained network: greedy, and without memory except in the guard.
 
     Torch runs on one thread during a decision. Everything but the guard's back-off is deterministic. A process reads
@@ -72,9 +67,9 @@ class TrainedPolicy(Policy):
 
     """
 
-    MODEL: ClassVar[str]
     plans_for: ClassVar[str] = TRAINED_GOAL
 
+    MODEL: ClassVar[str]
     """Name of the file with the best network."""
     LEARNERS: ClassVar[tuple[str, ...]]
     """Learners whose networks this policy flies; each has a module of that name."""
@@ -94,9 +89,7 @@ class TrainedPolicy(Policy):
     def scores(module: Any, config: Any, inputs: int, model: Path) -> Scores:
         """Return the network in the file ``model``, for observations of ``inputs`` numbers.
 
-        Raises:
-            Exception: one of :data:`DAMAGE`; the file holds no weights, or those of another network.
-
+        Raises one of :data:`DAMAGE` if the file holds no weights, or those of another network.
         """
 
     def model_file(self) -> Path:
@@ -110,17 +103,12 @@ class TrainedPolicy(Policy):
 
     def provenance(self) -> dict[str, str]:
         """Return the hash of the weights, the learner and the fingerprint of the training scenario."""
-        record = self.trained().record
-        digest = hashlib.sha256(self.model_file().read_bytes()).hexdigest()
+        record, digest = self.trained().record, digest_of(self.model_file())
         return {"weights_sha256": digest, "learner": record.learner, "trained_on": record.fingerprint}
 
-    def seen_seeds(self) -> dict[str, list[range]]:
-        """Return the seeds of the training and its evaluations."""
-        return recorded_seeds(folder_and_model(self.path, self.MODEL)[0] / RECORD)
-
-    def seen_maps(self) -> dict[str, list[str]]:
-        """Return the map files that the training flew."""
-        return recorded_maps(folder_and_model(self.path, self.MODEL)[0] / RECORD)
+    def weights_paths(self) -> list[Path]:
+        """Return the path of the model."""
+        return [self.model_file()]
 
     def pilot(self, briefing: Briefing) -> TrainedPilot:
         """Make the pilot of one UAV for one episode."""
@@ -173,9 +161,7 @@ def folder_and_model(path: str, model: str) -> tuple[Path, Path]:
 def read_training(folder: Path, learners: Sequence[str]) -> tuple[BaselineRecord, Any, Any]:
     """Return the record of a folder, the module of its learner and its configuration.
 
-    Raises:
-        InputError: the folder holds no training of these ``learners``, or their library is not installed.
-
+    Raises :class:`InputError` if the folder holds no training of these ``learners``, or their library is not installed.
     """
     record = read_record(folder, BaselineRecord, learners)
     try:

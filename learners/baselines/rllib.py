@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from indoor_explorers.learners.baselines.acting import TrainedPolicy
-from indoor_explorers.learners.baselines.evaluation import Scores
+from indoor_explorers.learners.baselines.trainee import Scores
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,5 +29,5 @@ class Rllib(TrainedPolicy):
         from safetensors.torch import load_file  # imported late: listing the policies needs no torch
 
         network, weights = config.untrained(inputs), load_file(model)
-        network.load_state_dict({name: weights[name] for name in network.state_dict()})  # without the critic's
+        network.load_state_dict({name: weights[name] for name in network.state_dict()})  # all but the critic's
         return partial(config.rate, network)

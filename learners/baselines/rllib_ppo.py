@@ -8,8 +8,7 @@ from ray.rllib.algorithms.ppo.torch.default_ppo_torch_rl_module import DefaultPP
 from ray.rllib.core.rl_module.rl_module import RLModule
 
 from indoor_explorers.learners.baselines.config import PPOSettings
-from indoor_explorers.learners.baselines.rllib_masking import MaskedPPOModule
-from indoor_explorers.learners.baselines.rllib_model import RllibConfig
+from indoor_explorers.learners.baselines.rllib_model import MaskedPPOModule, RllibConfig
 from indoor_explorers.learners.baselines.rllib_training import trainer
 
 

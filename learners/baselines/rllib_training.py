@@ -153,9 +153,7 @@ class RllibTrainee(BaselineTrainee):
     def restore(self, checkpoint: Path) -> None:
         """Restore the algorithm from a checkpoint.
 
-        Raises:
-            InputError: the checkpoint is damaged.
-
+        Raises :class:`InputError` if the checkpoint is damaged.
         """
         try:
             self.steps = int((checkpoint / STEPS).read_text(encoding="utf-8"))
@@ -176,17 +174,15 @@ class RllibTrainee(BaselineTrainee):
 def _local_ray() -> Iterator[None]:
     """Run a local Ray, unless this process is connected to one already.
 
-    Raises:
-        RunError: Ray does not start.
-
+    Raises :class:`RunError` if Ray does not start.
     """
     if ray.is_initialized():
         yield
         return
     os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
-    quiet: dict[str, Any] = {"log_to_driver": False, "logging_level": logging.ERROR}
+    logging_settings: dict[str, Any] = {"log_to_driver": False, "logging_level": logging.ERROR}
     try:
-        ray.init("local", include_dashboard=False, object_store_memory=STORE, **quiet)
+        ray.init("local", include_dashboard=False, object_store_memory=STORE, **logging_settings)
     except Exception as error:  # Ray raises nothing narrower
         raise RunError(f"Ray could not be started here: {error}; try again when the machine is less busy") from error
     try:

@@ -151,8 +151,8 @@ class StableBaselinesTrainee(BaselineTrainee):
     @property
     def loss(self) -> float:
         """The latest loss; NaN before the first one."""
-        told = self.model.logger.name_to_value
-        return float(told.get("train/loss", told.get("train/policy_loss", math.nan)))
+        logged = self.model.logger.name_to_value
+        return float(logged.get("train/loss", logged.get("train/policy_loss", math.nan)))
 
     @property
     def epsilon(self) -> float | None:

@@ -15,7 +15,7 @@ from typing import Any
 from zipfile import ZipFile
 
 from indoor_explorers.learners.baselines.acting import TrainedPolicy
-from indoor_explorers.learners.baselines.evaluation import Scores
+from indoor_explorers.learners.baselines.trainee import Scores
 
 #: Name of the weights in a model's zip.
 WEIGHTS = "policy.pth"

@@ -127,9 +127,7 @@ class TrainingConfig(LearnerSettings):
     def tasks(self, scenario: Scenario) -> list[Scenario]:
         """Return all training scenarios: this one and ``also``, with the training's goal and rewards.
 
-        Raises:
-            InputError: one of ``also`` is neither a preset nor a scenario file.
-
+        Raises :class:`InputError` if one of ``also`` is neither a preset nor a scenario file.
         """
         return [self.task(each) for each in (scenario, *map(named_scenario, self.also))]
 

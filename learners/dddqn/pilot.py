@@ -12,13 +12,12 @@ from indoor_explorers.env.policies.policy import Pilot
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.learners.dddqn.network.inference import q_values
 from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
-from indoor_explorers.learners.dddqn.observation.frame_stack import stacked
-from indoor_explorers.learners.dddqn.observation.known import Known
-from indoor_explorers.learners.dddqn.observation.layout import BLOCKED_AT, observation_layout
+from indoor_explorers.learners.dddqn.observation.layout import BLOCKED_AT, observation_layout, stacked
 from indoor_explorers.learners.dddqn.observation.map_prior import MapPrior, prior_from
 from indoor_explorers.learners.dddqn.observation.memory import new_memory
 from indoor_explorers.learners.dddqn.observation.observe import observation_context, observe
-from indoor_explorers.learners.dddqn.weights import Loaded
+from indoor_explorers.learners.dddqn.observation.uav import Known
+from indoor_explorers.learners.dddqn.weights import LoadedWeights
 from indoor_explorers.learners.guard import Guard
 
 
@@ -77,7 +76,7 @@ class ObservingPilot(Pilot):
 class DddqnPilot(ObservingPilot):
     """Value the moves by a network."""
 
-    def __init__(self, briefing: Briefing, loaded: Loaded, *, guard: bool, other_range: bool) -> None:
+    def __init__(self, briefing: Briefing, loaded: LoadedWeights, *, guard: bool, other_range: bool) -> None:
         super().__init__(briefing, loaded.observation, prior_from(loaded.prior), guard=guard)
         self._weights = loaded.weights
         self._q: NDArray[np.float32] = np.zeros((1, 4), np.float32)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
@@ -12,7 +11,7 @@ from indoor_explorers.env.files import expanded
 from indoor_explorers.env.maps.generators.thesis import ThesisMaps
 from indoor_explorers.env.policies.policy import Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing
-from indoor_explorers.env.provenance import joined, recorded_maps
+from indoor_explorers.env.provenance import joined
 from indoor_explorers.env.search.bitsets import ROOM
 from indoor_explorers.learners.dddqn.network.inference import without_network
 from indoor_explorers.learners.dddqn.observation.config import WIDEST
@@ -20,13 +19,12 @@ from indoor_explorers.learners.dddqn.observation.scales import REFERENCE_RANGE
 from indoor_explorers.learners.dddqn.pilot import DddqnPilot
 from indoor_explorers.learners.dddqn.weights import load_weights, shipped
 from indoor_explorers.learners.places.policy import DddqnPlaces
-from indoor_explorers.learners.sessions.record import record_of
-from indoor_explorers.learners.sessions.seeds import recorded_seeds
+from indoor_explorers.learners.sessions.record import RecordedWeights, digest_of
 from indoor_explorers.planners.toolbox.networks.tensors import WEIGHTS
 
 
 @dataclass(frozen=True, kw_only=True)
-class Dddqn(Policy):
+class Dddqn(RecordedWeights, Policy):
     """Explore with a dueling double deep Q-network.
 
     Mnih et al. 2015, doi:10.1038/nature14236; van Hasselt, Guez and Silver 2016, arXiv:1509.06461; Wang et
@@ -52,8 +50,8 @@ class Dddqn(Policy):
     """Beam width of the search for tours: a wider beam finds shorter tours and takes longer; None: the width stored
     with the weights. Without effect on networks without tour features."""
     network: bool = True
-    """Whether the network counts; without it the UAV follows its planner features alone, the shortest tour that was
-    found or the cheapest order of places: what learning starts from."""
+    """Whether the network values moves; without it the UAV follows the planner features alone, from which training
+    starts: the shortest tour that was found, or the cheapest order of places."""
     guard: bool = True
     """Fly to the nearest frontier while a network that values moves makes no progress."""
 
@@ -91,9 +89,7 @@ class Dddqn(Policy):
     def suited(self, briefing: Briefing) -> str:
         """Return the name of the weights that a UAV with this briefing flies.
 
-        Raises:
-            InputError: ``map_alone`` is set and there are no such weights for the scenario.
-
+        Raises :class:`InputError` if ``map_alone`` is set and there are no such weights for the scenario.
         """
         if self.weights is not None:
             return self.weights
@@ -105,25 +101,25 @@ class Dddqn(Policy):
 
     def provenance(self) -> dict[str, str]:
         """Return the hashes of the weights, and which of them are flown in which scenarios."""
-        hashes = {name: hashlib.sha256(path.read_bytes()).hexdigest() for name, path in self._paths().items()}
+        hashes = {name: digest_of(path) for name, path in self._paths().items()}
         if self.weights is not None:
             return {"weights_sha256": hashes[self.weights]}
-        told = {f"weights_{name}_sha256": digest for name, digest in hashes.items()}
+        facts = {f"weights_{name}_sha256": digest for name, digest in hashes.items()}
         places = self._places
         if places is None:
-            return told | {"weights_for": SUITED_ALONE}
+            return facts | {"weights_for": SUITED_ALONE}
         on_places = places.provenance()
-        told |= {f"weights_{LARGE}_sha256": on_places.pop("weights_sha256")} | on_places
-        return told | {"weights_for": SUITED}
+        facts |= {f"weights_{LARGE}_sha256": on_places.pop("weights_sha256")} | on_places
+        return facts | {"weights_for": SUITED}
 
-    def seen_seeds(self) -> dict[str, list[range]]:
-        """Return the seeds of the trainings of these weights, and of the rooms that they were chosen on."""
-        return joined([recorded_seeds(record_of(path)) for path in self._paths().values()])
+    def weights_paths(self) -> list[Path]:
+        """Return the paths of the weights of moves that this policy may fly."""
+        return list(self._paths().values())
 
     def seen_maps(self) -> dict[str, list[str]]:
-        """Return the map files that the trainings of these weights flew."""
-        seen, places = [recorded_maps(record_of(path)) for path in self._paths().values()], self._places
-        return joined(seen if places is None else [*seen, places.seen_maps()])
+        """Return the map files that the trainings of these weights flew, of those of places too where they may fly."""
+        places = self._places
+        return super().seen_maps() if places is None else joined([super().seen_maps(), places.seen_maps()])
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV for one episode."""
@@ -169,9 +165,7 @@ def suited(briefing: Briefing) -> str:
 def suited_alone(briefing: Briefing) -> str:
     """Return the name of the shipped weights for a scenario, of a network that sees the map only.
 
-    Raises:
-        InputError: the map or the lidar range is too large.
-
+    Raises :class:`InputError` if the map or the lidar range is too large.
     """
     if not _is_room(briefing) or briefing.lidar_range != REFERENCE_RANGE:
         height, width = briefing.shape

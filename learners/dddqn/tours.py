@@ -1,9 +1,9 @@
-"""The planner features of the DDDQN as a policy: the tours that its network is given, flown by a rule without it."""
+"""The policy ``tours``: the planner features of the DDDQN, flown by a rule without its network."""
 
 from __future__ import annotations
 
-import hashlib
 from dataclasses import dataclass
+from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
@@ -12,27 +12,25 @@ from numpy.typing import NDArray
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.policies.policy import Policy
 from indoor_explorers.env.policies.view import Briefing
-from indoor_explorers.env.provenance import recorded_maps
 from indoor_explorers.env.search.bitsets import ROOM
 from indoor_explorers.learners.dddqn.observation.config import WIDEST, ObservationConfig
 from indoor_explorers.learners.dddqn.observation.layout import observation_layout, search_costs
 from indoor_explorers.learners.dddqn.observation.map_prior import no_prior, prior_from
 from indoor_explorers.learners.dddqn.pilot import ObservingPilot
 from indoor_explorers.learners.dddqn.weights import load_weights, shipped
-from indoor_explorers.learners.sessions.record import record_of
-from indoor_explorers.learners.sessions.seeds import recorded_seeds
+from indoor_explorers.learners.sessions.record import RecordedWeights, digest_of
 
 #: The shipped weights whose map prior is used; their network is not.
 PRIOR_OF = "thesis-obstacles"
 
 
 @dataclass(frozen=True, kw_only=True)
-class Tours(Policy):
+class Tours(RecordedWeights, Policy):
     """Begin the shortest tour to 99 % coverage that a beam search finds; on large maps, fly to the best viewpoint.
 
     Among moves with equally short tours it makes the one whose tour sees cells soonest; with ``delay``, it trades steps
-    to 99 % for steps to 90 %. This is what the DDDQN is given, without its network: what learning adds is measured
-    against it. Maps of up to 16x16 cells are searched
+    to 99 % for steps to 90 %. These are the planner features of the DDDQN without its network: the benefit of learning
+    is measured against them. Maps of up to 16x16 cells are searched
     (:mod:`indoor_explorers.learners.dddqn.observation.tours`); on larger ones the UAV flies to the frontier cell with
     the best view gain for its distance (:mod:`indoor_explorers.learners.dddqn.observation.candidates`). Everything but
     the guard's back-off is deterministic.
@@ -62,7 +60,7 @@ class Tours(Policy):
             raise InputError(f"expected delay from 0 to 1, got {self.delay!r}")
 
     def observation(self, shape: tuple[int, int]) -> ObservationConfig:
-        """Return what is computed on (H, W) maps: tours or candidates, and hardly a picture of the map."""
+        """Return the observation on (H, W) maps: tours or candidates, and the smallest possible map image."""
         room = max(shape) <= ROOM
         return ObservationConfig(
             crop=3,
@@ -78,17 +76,11 @@ class Tours(Policy):
 
     def provenance(self) -> dict[str, str]:
         """Return the hash of the weights that hold the map prior."""
-        if not self.map_prior:
-            return {}
-        return {"map_prior_sha256": hashlib.sha256(shipped()[PRIOR_OF].read_bytes()).hexdigest()}
+        return {"map_prior_sha256": digest_of(shipped()[PRIOR_OF])} if self.map_prior else {}
 
-    def seen_seeds(self) -> dict[str, list[range]]:
-        """Return the seeds of the training that fitted the map prior, and of the rooms that settings were chosen on."""
-        return recorded_seeds(record_of(shipped()[PRIOR_OF]))
-
-    def seen_maps(self) -> dict[str, list[str]]:
-        """Return the map files of that training."""
-        return recorded_maps(record_of(shipped()[PRIOR_OF]))
+    def weights_paths(self) -> list[Path]:
+        """Return the path of the weights whose training fitted the map prior."""
+        return [shipped()[PRIOR_OF]]
 
     def pilot(self, briefing: Briefing) -> ToursPilot:
         """Make the pilot of one UAV for one episode."""

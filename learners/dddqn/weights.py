@@ -14,18 +14,14 @@ from indoor_explorers.learners.dddqn.network.inference import NetworkWeights, sh
 from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
 from indoor_explorers.learners.dddqn.observation.layout import ObservationLayout, observation_layout
 from indoor_explorers.learners.dddqn.observation.map_prior import prior_shapes
-from indoor_explorers.planners.toolbox.networks.weights_file import (
-    read_once,
-    read_weights_file,
-    write_weights_file,
-)
+from indoor_explorers.planners.toolbox.networks.weights_file import read_once, read_weights_file, write_weights_file
 
-#: Version of what the description and the inputs mean; raised when older files can no longer be read.
+#: Version of the description and of the inputs; raised when older files can no longer be read.
 FORMAT = 2
 _FOLDER = Path(__file__).parent / "weights"
 
 
-class Loaded(NamedTuple):
+class LoadedWeights(NamedTuple):
     """The content of a weights file."""
 
     observation: ObservationConfig
@@ -59,19 +55,17 @@ def write_weights(
 
 
 @read_once
-def load_weights(path: Path) -> Loaded:
+def load_weights(path: Path) -> LoadedWeights:
     """Return the content of a weights file; a process reads the file once, and again when it changes.
 
-    Raises:
-        InputError: the file is missing, too large, not a safetensors file, or holds another network.
-
+    Raises :class:`InputError` if the file is missing, too large, not a safetensors file, or holds another network.
     """
     file = read_weights_file(path, "dddqn")
     observation, network = file.described(_configurations)
     layout, prior = observation_layout(observation), prior_shapes(file.arrays)
     arrays = file.checked(shapes(layout, network) | prior)
     weights = weights_from(arrays, layout, network)
-    return Loaded(observation, network, layout, weights, {name: arrays[name] for name in prior})
+    return LoadedWeights(observation, network, layout, weights, {name: arrays[name] for name in prior})
 
 
 def _configurations(about: Mapping[str, Any]) -> tuple[ObservationConfig, NetworkConfig]:

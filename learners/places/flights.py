@@ -1,10 +1,11 @@
-"""Training flights: UAVs draw places at random by the network's values, and record each choice and the true map."""
+"""Training flights: UAVs choose places at random by the network's values; each choice is recorded with the true map."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,12 +19,67 @@ from indoor_explorers.env.scenarios.presets import on_files
 from indoor_explorers.env.search.bfs import distance_field
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
 from indoor_explorers.env.simulation.world import World
-from indoor_explorers.learners.places.choices import Flown
 from indoor_explorers.learners.places.network import Loaded, values
-from indoor_explorers.learners.places.pilot import PlacesPilot
+from indoor_explorers.learners.places.policy import PlacesPilot
 from indoor_explorers.learners.places.scene import MOST, Scene
 from indoor_explorers.learners.places.truth import Truth, truth_of
 from indoor_explorers.learners.pockets.maps import TrainingMaps
+from indoor_explorers.planners.toolbox.networks.tensors import read_tensors, write_tensors
+
+Arrays = Mapping[str, NDArray[Any]]
+
+
+class TrainingFlight(NamedTuple):
+    """A training flight."""
+
+    choices: list[dict[str, NDArray[Any]]]
+    """Arrays of each UAV's choices: see :func:`~indoor_explorers.learners.places.flights.as_arrays`."""
+    times: tuple[float, float]
+    """Steps to 90 % and 99 % of the reachable cells, in units of these cells by the lidar's range; NaN for teams."""
+
+
+class ChoiceArrays(NamedTuple):
+    """C choices, in the order of flights, UAVs and time."""
+
+    arrays: Arrays
+    """Arrays (C, ...) by name: see :func:`~indoor_explorers.learners.places.flights.as_arrays`."""
+    lengths: NDArray[np.int64]
+    """(U,) number of choices of each UAV."""
+    flight: NDArray[np.int64]
+    """(U,) number of its flight."""
+    times: NDArray[np.float64]
+    """(F, 2) times of each flight, see :class:`TrainingFlight`."""
+
+    @property
+    def half(self) -> NDArray[np.int64]:
+        """(C,) 0 or 1: the half of the flights that a choice belongs to."""
+        return np.asarray(np.repeat(self.flight % 2, self.lengths))
+
+
+def choices_of(flights: Sequence[TrainingFlight]) -> ChoiceArrays:
+    """Return the choices of some flights, at least one."""
+    uavs = [uav for flight in flights for uav in flight.choices]
+    arrays = {name: np.concatenate([uav[name] for uav in uavs]) for name in uavs[0]}
+    lengths = np.array([len(uav["chosen"]) for uav in uavs], np.int64)
+    numbers = np.repeat(np.arange(len(flights)), [len(flight.choices) for flight in flights])
+    return ChoiceArrays(arrays, lengths, numbers, np.array([flight.times for flight in flights], np.float64))
+
+
+def write_choices(path: Path, choices: ChoiceArrays) -> None:
+    """Write choices to a file of arrays."""
+    about = {"uav.lengths": choices.lengths, "uav.flight": choices.flight, "flight.times": choices.times}
+    write_tensors(path, {**choices.arrays, **about})
+
+
+def read_choices(paths: Sequence[Path]) -> ChoiceArrays:
+    """Return the choices of some files, one after the other."""
+    parts = [read_tensors(path)[0] for path in paths]
+    whole = {name: np.concatenate([part[name] for part in parts]) for name in parts[0] if name != "uav.flight"}
+    first = np.cumsum([0, *(len(part["flight.times"]) for part in parts)])
+    numbers = np.concatenate([part["uav.flight"] + before for part, before in zip(parts, first[:-1], strict=True)])
+    lengths, times = whole.pop("uav.lengths"), whole.pop("flight.times")
+    return ChoiceArrays(whole, lengths, numbers, times)
+
 
 #: Least and most free cells of a training map: flights over larger ones take too long.
 FEWEST, LARGEST = 400, 4500
@@ -47,7 +103,7 @@ class Choice(NamedTuple):
     scene: Scene
     """The K places that it was made among."""
     truth: Truth
-    """What the true map tells of them."""
+    """The features of the true map at these places."""
     chosen: int
     """Row of the chosen place."""
     step: int
@@ -56,8 +112,8 @@ class Choice(NamedTuple):
     """(K,) with which each place was drawn."""
 
 
-class _Situation(NamedTuple):
-    """What recording pilots share besides their views."""
+class _Recording(NamedTuple):
+    """The true map, the generator and the choices of a flight, which its pilots share."""
 
     truth: Belief
     """(H, W) the true map."""
@@ -73,35 +129,35 @@ class _Recorder(Policy):
     """The policy of a training flight."""
 
     loaded: Loaded
-    situation: _Situation
+    recording: _Recording
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""
-        return RecordingPilot(briefing, self.loaded, self.situation)
+        return RecordingPilot(briefing, self.loaded, self.recording)
 
 
 class RecordingPilot(PlacesPilot):
     """Choose at random, with probabilities that grow with the values, and record the choice with the truth."""
 
-    def __init__(self, briefing: Briefing, loaded: Loaded, situation: _Situation) -> None:
+    def __init__(self, briefing: Briefing, loaded: Loaded, recording: _Recording) -> None:
         super().__init__(briefing, loaded)
-        self._situation = situation
+        self._recording = recording
 
     def pick(self, view: View, scene: Scene) -> int:
         """Return the row of the drawn place; the probabilities are the softmax of the values."""
-        situation, reach = self._situation, float(self.briefing.lidar_range)
+        recording, reach = self._recording, float(self.briefing.lidar_range)
         logits = values(scene, self._loaded).astype(np.float64)
         probabilities = np.exp(logits - logits.max())
         probabilities /= probabilities.sum()
-        chosen = int(situation.rng.choice(len(probabilities), p=probabilities))
+        chosen = int(recording.rng.choice(len(probabilities), p=probabilities))
         field = self.steps_from(view, view.cell)
-        told = truth_of(scene, view.belief, situation.truth, situation.reachable, field, reach)
-        choice = Choice(scene, told, chosen, view.step, probabilities.astype(np.float32))
-        situation.choices.setdefault(self.briefing.agent, []).append(choice)
+        truth = truth_of(scene, view.belief, recording.truth, recording.reachable, field, reach)
+        choice = Choice(scene, truth, chosen, view.step, probabilities.astype(np.float32))
+        recording.choices.setdefault(self.briefing.agent, []).append(choice)
         return chosen
 
 
-def fly(maps: TrainingMaps, seed: int, loaded: Loaded) -> Flown:
+def fly(maps: TrainingMaps, seed: int, loaded: Loaded) -> TrainingFlight:
     """Return a flight of a network over a map drawn by a seed, with a lidar, team and radio drawn likewise."""
     rng = np.random.default_rng([seed, 11])
     plan = maps.draw(rng)
@@ -113,8 +169,8 @@ def fly(maps: TrainingMaps, seed: int, loaded: Loaded) -> Flown:
     world = World(on_files(("map",), None).with_settings(asked).for_evaluation())
     world.begin(0, seed, floorplan=plan)
     reachable = distance_field(plan.truth, world.view(0, 0).cell) < UNREACHABLE
-    situation = _Situation(plan.truth, reachable, rng, {})
-    policy = _Recorder(loaded=loaded, situation=situation)
+    recording = _Recording(plan.truth, reachable, rng, {})
+    policy = _Recorder(loaded=loaded, recording=recording)
     coverage = [world.team_coverage[0]]
     for _ in rollout(world, ask_pilots(policy, make_pilots(policy, world), world)):
         coverage.append(world.team_coverage[0])
@@ -123,20 +179,20 @@ def fly(maps: TrainingMaps, seed: int, loaded: Loaded) -> Flown:
     end = len(coverage) - 1
     t90 = int(np.argmax(np.array(coverage) >= MOSTLY)) if coverage[-1] >= MOSTLY else end
     nominal = np.count_nonzero(reachable) / reach
-    flown = [as_arrays(each, reach, t90, end) for each in situation.choices.values() if len(each) > 1]
-    return Flown(flown, (t90 / nominal, end / nominal) if team == 1 else (math.nan, math.nan))
+    flown = [as_arrays(each, reach, t90, end) for each in recording.choices.values() if len(each) > 1]
+    return TrainingFlight(flown, (t90 / nominal, end / nominal) if team == 1 else (math.nan, math.nan))
 
 
 def as_arrays(choices: Sequence[Choice], lidar_range: float, t90: int, end: int) -> dict[str, NDArray[Any]]:
     """Return the C choices of one UAV as arrays by name, padded to K = ``MOST`` places.
 
-    ``places`` (C, K, PLACE) and ``common`` (C, COMMON) are what the network sees, ``there`` (C, K) bool whether there
+    ``places`` (C, K, PLACE) and ``common`` (C, COMMON) are the network's inputs, ``there`` (C, K) bool whether there
     is such a place, ``costs`` (C, K) the planner's. ``true_places`` (C, K, TRUE_PLACE) and ``true_common`` (C,
-    TRUE_COMMON) are what the true map tells. ``probabilities`` (C, K) are those of the draw, ``chosen`` (C,) the rows.
+    TRUE_COMMON) are those of the true map. ``probabilities`` (C, K) are those of the draw, ``chosen`` (C,) the rows.
     ``rewards`` (C,) are the negative costs until the next choice, ``durations`` (C,) the time until then, both in lidar
     ranges. The arguments ``t90`` and ``end`` are the steps to 90 % and to the end of the flight.
     """
-    scenes, told = [choice.scene for choice in choices], [choice.truth for choice in choices]
+    scenes, truths = [choice.scene for choice in choices], [choice.truth for choice in choices]
     steps = np.array([choice.step for choice in choices] + [end])
     early = np.minimum(steps, t90)
     costs = np.diff(steps) + EARLY * np.diff(early)
@@ -145,8 +201,8 @@ def as_arrays(choices: Sequence[Choice], lidar_range: float, t90: int, end: int)
         "common": np.stack([scene.common for scene in scenes]),
         "there": _padded([np.ones(len(scene.cells), np.bool_) for scene in scenes]),
         "costs": _padded([scene.costs for scene in scenes]),
-        "true_places": _padded([each.places for each in told]).astype(np.float16),
-        "true_common": np.stack([each.common for each in told]),
+        "true_places": _padded([each.places for each in truths]).astype(np.float16),
+        "true_common": np.stack([each.common for each in truths]),
         "probabilities": _padded([choice.probabilities for choice in choices]),
         "chosen": np.array([choice.chosen for choice in choices]),
         "rewards": (-costs / lidar_range).astype(np.float32),

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 from torch.nn import functional
 
-from indoor_explorers.learners.places.choices import Choices
+from indoor_explorers.learners.places.flights import ChoiceArrays
 from indoor_explorers.learners.places.model import AdvantageNet, ValueNet, batch_of
 
 #: Discount factor, and share of later surprises that count, both per lidar range of flight.
@@ -31,13 +31,13 @@ DISCOUNT, LATER = 0.99, 0.7
 TEMPERATURE = 0.3
 #: Passes over the choices: of the value networks, and of the dueling network.
 VALUE_PASSES, DUELING_PASSES = 6, 3
-#: Choices in a batch; learning rates of the value networks and of the dueling network; weight decay of the latter.
+#: ChoiceArrays in a batch; learning rates of the value networks and of the dueling network; weight decay of the latter.
 BATCH, VALUE_RATE, RATE, DECAY = 1024, 2e-3, 1e-3, 1e-2
 #: Errors beyond this, in lidar ranges, count linearly.
 ROBUST = 3.0
 
 
-def advantages(choices: Choices, values: NDArray[np.float32], later: float) -> NDArray[np.float32]:
+def advantages(choices: ChoiceArrays, values: NDArray[np.float32], later: float) -> NDArray[np.float32]:
     """Return the advantages of the chosen places, (C,), in lidar ranges (generalised advantage estimation).
 
     ``values`` (C,) are the predicted returns at the choices. ``later`` is lambda per lidar range: 1 gives the return
@@ -91,7 +91,7 @@ def _batches(some: NDArray[np.int64], passes: int) -> Iterator[NDArray[np.int64]
         yield from (np.sort(mixed[k : k + BATCH]) for k in range(0, len(mixed), BATCH) if len(mixed) - k >= BATCH // 2)
 
 
-def learn_values(choices: Choices) -> NDArray[np.float32]:
+def learn_values(choices: ChoiceArrays) -> NDArray[np.float32]:
     """Fit a value network to the returns of each half of the flights; return (C,) the predictions of the other's."""
     judged, half = np.zeros(len(choices.half), np.float32), choices.half
     returns = torch.from_numpy(advantages(choices, judged, 1.0))
@@ -107,13 +107,13 @@ def learn_values(choices: Choices) -> NDArray[np.float32]:
 
 
 @torch.no_grad()
-def outputs(network: nn.Module, choices: Choices) -> NDArray[np.float32]:
+def outputs(network: nn.Module, choices: ChoiceArrays) -> NDArray[np.float32]:
     """Return a network's outputs for all choices, (C, ...)."""
     parts = np.array_split(np.arange(len(choices.half)), 1 + len(choices.half) // 8192)
     return np.concatenate([network(batch_of(choices, some)).numpy() for some in parts])
 
 
-def learn_choices(network: AdvantageNet, choices: Choices, worth: NDArray[np.float32]) -> float:
+def learn_choices(network: AdvantageNet, choices: ChoiceArrays, worth: NDArray[np.float32]) -> float:
     """Move a network to the next policy, by the advantages ``worth`` (C,) in lidar ranges; return the mean loss."""
     before = torch.from_numpy(outputs(network, choices))
     weights, chosen = (torch.from_numpy(choices.arrays[name]) for name in ("probabilities", "chosen"))
@@ -128,7 +128,7 @@ def learn_choices(network: AdvantageNet, choices: Choices, worth: NDArray[np.flo
     return minimise(network, np.arange(len(worth)), DUELING_PASSES, RATE, loss, DECAY)
 
 
-def explained(choices: Choices, values: NDArray[np.float32]) -> float:
+def explained(choices: ChoiceArrays, values: NDArray[np.float32]) -> float:
     """Return the share of the variance of the returns that ``values`` (C,) explain; 1 at best."""
     returns = advantages(choices, np.zeros_like(values), 1.0)
     return float(1.0 - np.var(returns - values) / np.var(returns))

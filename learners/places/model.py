@@ -9,7 +9,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
-from indoor_explorers.learners.places.choices import Choices
+from indoor_explorers.learners.places.flights import ChoiceArrays
 from indoor_explorers.learners.places.network import HIDDEN, NetworkWeights
 from indoor_explorers.learners.places.scene import COMMON, PLACE
 from indoor_explorers.learners.places.truth import TRUE_COMMON, TRUE_PLACE
@@ -37,7 +37,7 @@ class Batch(NamedTuple):
     """(B, TRUE_COMMON)."""
 
 
-def batch_of(choices: Choices, some: NDArray[np.int64]) -> Batch:
+def batch_of(choices: ChoiceArrays, some: NDArray[np.int64]) -> Batch:
     """Return some of the C choices as a batch; ``some`` (B,) are their rows."""
     tensors = (torch.from_numpy(choices.arrays[name][some]) for name in Batch._fields)
     return Batch(*(each if each.dtype is torch.bool else each.float() for each in tensors))

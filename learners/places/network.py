@@ -1,8 +1,8 @@
 """The network that values places, without torch: outputs are the same, bit for bit, on every machine.
 
-Each place goes through the same two layers, together with what is common to all; the mean and the maximum over the
-places are then seen by each (Zaheer et al. 2017, "Deep Sets", arXiv:1703.06114). So the order of the places does not
-matter, nor does their number.
+Each place goes through the same two layers, together with the numbers common to all; the mean and the maximum over the
+places are inputs of the next layer for each (Zaheer et al. 2017, "Deep Sets", arXiv:1703.06114). So neither the order
+of the places nor their number matters.
 """
 
 from __future__ import annotations
@@ -16,11 +16,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.learners.places.scene import COMMON, PLACE, Scene
 from indoor_explorers.planners.toolbox.networks.layers import linear, relu
-from indoor_explorers.planners.toolbox.networks.weights_file import (
-    read_once,
-    read_weights_file,
-    write_weights_file,
-)
+from indoor_explorers.planners.toolbox.networks.weights_file import read_once, read_weights_file, write_weights_file
 
 #: Width of every hidden layer.
 HIDDEN = 64
@@ -46,9 +42,9 @@ class Loaded(NamedTuple):
     prior: float
     """Weight of the planner's costs in the values of places."""
     guess: bool
-    """Whether what is estimated behind the clusters is seen."""
+    """Whether the network sees the estimates of the free space behind the clusters."""
     others: bool
-    """Whether the other places are seen."""
+    """Whether the network sees the other places beside each place."""
 
 
 def shapes() -> dict[str, tuple[int, ...]]:
@@ -96,7 +92,7 @@ def without_network(loaded: Loaded) -> Loaded:
 
 
 def write_weights(path: Path, loaded: Loaded) -> None:
-    """Write weights with what they need to be flown."""
+    """Write weights with the settings that flying them needs."""
     about = {name: value for name, value in loaded._asdict().items() if name != "weights"}
     write_weights_file(path, loaded.weights._asdict(), about)
 
@@ -105,9 +101,7 @@ def write_weights(path: Path, loaded: Loaded) -> None:
 def load_weights(path: Path) -> Loaded:
     """Return the content of a weights file; a process reads the file once, and again when it changes.
 
-    Raises:
-        InputError: the file is missing or holds another network.
-
+    Raises :class:`InputError` if the file is missing or holds another network.
     """
     file = read_weights_file(path, "dddqn-places")
     prior, guess, others = file.described(

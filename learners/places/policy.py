@@ -1,20 +1,56 @@
-"""The network that chooses places as a policy."""
+"""The policy ``dddqn-places``, and its pilot, which flies to the place of highest value."""
 
 from __future__ import annotations
 
-import hashlib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
 from indoor_explorers.env.files import expanded
+from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.policies.policy import Policy
-from indoor_explorers.env.policies.view import Briefing
+from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.provenance import joined, recorded_maps
-from indoor_explorers.learners.places.network import load_weights, without_network
-from indoor_explorers.learners.places.pilot import PlacesPilot
-from indoor_explorers.learners.sessions.record import record_of
+from indoor_explorers.learners.places.network import Loaded, load_weights, values, without_network
+from indoor_explorers.learners.places.scene import OTHERS, Observer, Scene
+from indoor_explorers.learners.sessions.record import digest_of, record_of
+from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
 from indoor_explorers.planners.toolbox.pockets.outlook import EstimateUser
+
+#: A goal is kept for this many lidar ranges of flight, unless it has no gain left before.
+KEEP = 1.0
+
+
+class PlacesPilot(GoalPilot):
+    """Choose among the places, and fly to the one of highest value.
+
+    Args:
+        briefing: Briefing of the UAV.
+        loaded: The network.
+
+    """
+
+    straight = True
+
+    def __init__(self, briefing: Briefing, loaded: Loaded) -> None:
+        super().__init__(briefing)
+        self._loaded = loaded
+        self._observer = Observer(self, guess=loaded.guess)
+        self.replan_period = self.steps_in(KEEP)
+
+    def choose(self, view: View) -> Cell | None:
+        """Return the place of highest value."""
+        scene = self._observer.observe(view)
+        if scene is None:
+            return None
+        if not self._loaded.others:
+            scene.places[:, OTHERS] = 0.0
+        return divmod(int(scene.cells[self.pick(view, scene)]), self.paths.width)
+
+    def pick(self, view: View, scene: Scene) -> int:
+        """Return the number of the chosen place."""
+        return int(values(scene, self._loaded).argmax())
+
 
 #: The weights that ship.
 SHIPPED = Path(__file__).parent / "weights" / "places.safetensors"
@@ -26,10 +62,10 @@ NAME = "places.safetensors"
 class DddqnPlaces(EstimateUser, Policy):
     """Fly to the frontier cluster that a dueling network values most, on maps of any size.
 
-    Each cluster is a place; the network sees all of them, what is expected behind them, and the costs of the orders
-    in which ``frontier-predictive`` would visit them (:mod:`indoor_explorers.learners.places.scene`). It is trained by
-    policy iteration with double and dueling estimates (:mod:`indoor_explorers.learners.places.learning`). Only the
-    draws of deadlocks between UAVs are random.
+    Each cluster is a place; the network sees all of them, the free space expected behind them, and the costs of the
+    orders in which ``frontier-predictive`` would visit them (:mod:`indoor_explorers.learners.places.scene`). It is
+    trained by policy iteration with double and dueling estimates
+    (:mod:`indoor_explorers.learners.places.learning`). Only the draws of deadlocks between UAVs are random.
 
     Raises:
         InputError: ``weights`` is missing or not a file of this network.
@@ -41,7 +77,7 @@ class DddqnPlaces(EstimateUser, Policy):
     weights: str | None = None
     """Path of a training's folder or weights; None: the shipped ones."""
     network: bool = True
-    """Whether the network counts; without it the UAV follows the costs of ``frontier-predictive``."""
+    """Whether the network values places; without it the UAV follows the costs of ``frontier-predictive``."""
 
     def __post_init__(self) -> None:
         load_weights(self.path)
@@ -61,7 +97,7 @@ class DddqnPlaces(EstimateUser, Policy):
 
     def provenance(self) -> dict[str, str]:
         """Return the hashes of the network's weights and of those of the estimates."""
-        return super().provenance() | {"weights_sha256": hashlib.sha256(self.path.read_bytes()).hexdigest()}
+        return super().provenance() | {"weights_sha256": digest_of(self.path)}
 
     def seen_maps(self) -> dict[str, list[str]]:
         """Return the maps that the network and the estimates were learned from."""

@@ -1,4 +1,4 @@
-"""What a UAV sees of its choice among places: one place for each frontier cluster, each a row of numbers.
+"""The observation of a choice among places: one place, a row of numbers, for each frontier cluster.
 
 Distances are in lidar ranges, so that one network fits every lidar. Nothing comes from the true map.
 """
@@ -33,16 +33,16 @@ from indoor_explorers.planners.toolbox.routing.min_latency import best_orders
 MOST = 12
 #: Numbers about each place, and about the whole scene.
 PLACE, COMMON = 34, 10
-#: The columns of a place that tell of what is behind it, and of the other places.
+#: The columns of a place with the estimates of the free space behind it, and with the other places.
 GUESS, OTHERS = slice(7, 18), slice(18, 31)
 #: Largest cost of a place beyond that of the best one, in lidar ranges.
 COSTLIEST = 20.0
-#: What the shipped network was trained on: the parameters of ``frontier-predictive`` at that time, in full. They stay
-#: as they are when the planner is tuned, since the network knows no other inputs; a test tells where the two part.
+#: The parameters of ``frontier-predictive`` that the shipped network was trained with. They stay as they are when the
+#: planner is tuned, since the network's inputs depend on them; a test reports where the two differ.
 TRAINED_ON = PlaceParameters(
     decay_length=0.5, isolation=8.0, discount_rate=2.4, latency=16.0, worth=0.8, switch_cost=0.2, clusters=MOST
 )
-#: Likewise, how it was told which clusters can wait,
+#: Likewise, the parameters by which clusters are deferred,
 TRAINED_OUTLOOK = OutlookParameters(skip=0.75, risk=0.1, visit=3.0, near=2, aim=0.99)
 #: and the spacing of a cluster's cells, and the distance within which a cell is the last goal, in lidar ranges.
 TRAINED_STRIDE, TRAINED_SAME = 0.3, 0.2
@@ -89,18 +89,11 @@ class _Candidates(NamedTuple):
     """(K,) whether it is at the last goal."""
 
     def at(self, chosen: NDArray[np.int64] | Mask) -> _Candidates:
-        return _Candidates(
-            self.cells[chosen],
-            self.owner[chosen],
-            self.steps[chosen],
-            self.views[chosen],
-            self.factors[chosen],
-            self.kept[chosen],
-        )
+        return _Candidates._make(each[chosen] for each in self)
 
 
 class _Clusters(NamedTuple):
-    """All clusters, and what is expected of them."""
+    """All clusters with their estimates."""
 
     clusters: Clusters
     estimates: PocketEstimates
@@ -116,7 +109,7 @@ class Observer:
 
     Args:
         pilot: The pilot that flies to the places.
-        guess: Whether to use what is estimated behind the clusters.
+        guess: Whether to use the estimates of the free space behind the clusters.
 
     """
 
@@ -261,7 +254,7 @@ def _orders(
 
 
 def _neighbours(steps: Numbers, between: Numbers) -> list[Numbers]:
-    """Return how the other places lie around each of K places."""
+    """Return distances to, and numbers of, the other places around each of K places."""
     count = len(steps)
     apart = between + np.diag(np.full(count, np.inf))
     nearest = np.minimum(apart.min(axis=1), 10.0) / 3.0 if count > 1 else np.full(1, 3.0)

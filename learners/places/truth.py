@@ -1,7 +1,7 @@
-"""Features of the true map at a choice: input of the value networks in training, hidden from all that flies.
+"""Features of the true map at a choice: inputs of the value networks in training, never of a network that flies.
 
-How long a flight takes depends on the map much more than on any choice. A value that knows the map takes this luck
-out of the returns, and what is left tells the places apart (Pinto et al. 2018, "Asymmetric Actor Critic",
+The length of a flight depends on the map much more than on any choice. A value that knows the map removes this
+variance from the returns; the rest depends on the chosen places (Pinto et al. 2018, "Asymmetric Actor Critic",
 arXiv:1710.06542).
 """
 
@@ -24,7 +24,7 @@ TRUE_PLACE, TRUE_COMMON = 3, 10
 
 
 class Truth(NamedTuple):
-    """What is truly left to explore, scaled to numbers around 1."""
+    """The true extent of the unexplored space, scaled to numbers around 1."""
 
     places: NDArray[np.float32]
     """(K, TRUE_PLACE): free cells behind each place, their share of those missing for 99 %, steps to the farthest."""

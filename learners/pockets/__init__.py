@@ -1,6 +1,6 @@
-"""Training of the pocket network: how much unknown free space is behind a frontier cluster.
+"""Training of the pocket network, which estimates how much unknown free space is behind a frontier cluster.
 
-``train`` is the entry point. ``training`` flies planners over ``maps`` for ``examples``, then ``learning`` fits the
-torch network of ``model`` to them; ``validation`` judges it. The network that flies, its input and its true labels are
-in :mod:`indoor_explorers.planners.toolbox.pockets`.
+``train`` flies planners over ``maps`` for ``examples``, then ``learning`` fits the torch network to them, which
+``validation`` judges. The network that flies, its input and its true labels are in
+:mod:`indoor_explorers.planners.toolbox.pockets`.
 """

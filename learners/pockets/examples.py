@@ -41,7 +41,7 @@ def chosen(clusters: Clusters, numbers: NDArray[np.int64]) -> Clusters:
 def examples_of(plan: Floorplan, seed: int, lidar_range: float | None = None) -> dict[str, NDArray[Any]]:
     """Return the K examples of one flight over a map as arrays by name; none if the flight was too short.
 
-    ``fine`` and ``coarse`` (K, layers, SIDE, SIDE) uint8 and ``numbers`` (K, 2) are what the network sees, ``sizes``
+    ``fine`` and ``coarse`` (K, layers, SIDE, SIDE) uint8 and ``numbers`` (K, 2) are the network's inputs, ``sizes``
     (K,) the free cells behind each cluster, ``depths`` (K,) the steps to the farthest of them, ``real`` (K,) bool
     whether the map is from a file. The lidar range, in cells, is drawn at random if none is given.
     """

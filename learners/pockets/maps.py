@@ -1,4 +1,4 @@
-"""The training maps of ``places`` and ``pockets``: real floors, turned, scaled and cut anew, and generated maps."""
+"""The training maps of ``places`` and ``pockets``: generated maps, and real floors turned, scaled and cut at random."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ from indoor_explorers.learners.sessions.settings import LearnerSettings
 
 #: Folder of the flights inside that of a training.
 FLIGHTS = "flights"
-#: Name of a map that is from no file.
+#: Name of generated maps.
 GENERATED = "generated"
 #: Share of generated maps that are floors; the others are offices, rooms, caves and mazes.
 FLOORS = 0.6

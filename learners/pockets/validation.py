@@ -22,17 +22,17 @@ LIDAR_RANGE = 10.0
 
 
 class Judged(NamedTuple):
-    """How good the estimates for one building are."""
+    """Calibration and ranking of the estimates for one building."""
 
     building: str
     clusters: int
     """Number of clusters."""
     aucs: tuple[float, ...]
     """For each of ``JUDGED``, the chance that a larger pocket gets the larger probability; nan if all are alike."""
-    told: tuple[float, ...]
+    predicted: tuple[float, ...]
     """Mean probabilities of exceeding each of ``JUDGED``."""
-    found: tuple[float, ...]
-    """Shares of clusters that do."""
+    observed: tuple[float, ...]
+    """Shares of clusters that exceed each."""
     entropy: float
     """Mean cross-entropy over all thresholds, in nats."""
 
@@ -40,15 +40,14 @@ class Judged(NamedTuple):
 def auc(positive: NDArray[np.bool_], scores: NDArray[np.float64]) -> float:
     """Return the chance that a positive case has a larger score than a negative one, ties half; NaN without both.
 
-    ``positive`` (N,) bool says which cases are, ``scores`` (N,) are theirs.
+    ``positive`` (N,) bool marks the positive cases, ``scores`` (N,) are the scores of all.
     """
-    from scipy.stats import rankdata
+    from scipy.stats import mannwhitneyu
 
-    count = int(positive.sum())
-    if count in (0, len(positive)):
+    if positive.all() or not positive.any():
         return float("nan")
-    above = rankdata(scores)[positive].sum() - count * (count + 1) / 2
-    return float(above / (count * (len(positive) - count)))
+    above = mannwhitneyu(scores[positive], scores[~positive]).statistic
+    return float(above / (positive.sum() * (~positive).sum()))
 
 
 def judged(building: str, examples: Mapping[str, NDArray[Any]], estimates: PocketEstimates) -> Judged:
@@ -67,7 +66,7 @@ def judged(building: str, examples: Mapping[str, NDArray[Any]], estimates: Pocke
 
 
 def judge(maps: FileMaps, weights: Path) -> list[Judged]:
-    """Return how good the estimates of a weights file are, from one flight over each map: by building, then for all."""
+    """Judge the estimates of a weights file, from one flight over each map; by building, then for all buildings."""
     network = load_weights(weights)
     groups: dict[str, list[dict[str, NDArray[Any]]]] = {}
     for index in range(maps.count):
@@ -77,8 +76,8 @@ def judge(maps: FileMaps, weights: Path) -> list[Judged]:
     found = []
     for building, parts in groups.items():
         examples = {name: np.concatenate([each[name] for each in parts]) for name in parts[0]}
-        told = estimates_from(outputs(examples["fine"], examples["coarse"], examples["numbers"], network))
-        found.append(judged(building, examples, told))
+        estimates = estimates_from(outputs(examples["fine"], examples["coarse"], examples["numbers"], network))
+        found.append(judged(building, examples, estimates))
     return found
 
 
@@ -87,6 +86,6 @@ def as_table(rows: list[Judged]) -> str:
     head = [f"{what} > {limit}" for limit in JUDGED for what in ("AUC", "told", "found")]
     lines = [f"| building | clusters | {' | '.join(head)} | cross-entropy |", "|---" * (len(head) + 3) + "|"]
     for row in rows:
-        cells = [f"{each:.2f}" for three in zip(row.aucs, row.told, row.found, strict=True) for each in three]
+        cells = [f"{each:.2f}" for three in zip(row.aucs, row.predicted, row.observed, strict=True) for each in three]
         lines.append(f"| {row.building} | {row.clusters:,} | {' | '.join(cells)} | {row.entropy:.3f} |")
     return "\n".join(lines) + "\n"

@@ -5,5 +5,5 @@ an entry point, and a trainee, which the session trains. Here ``train`` makes su
 around any trainee, ``record`` the ``training.json`` of its folder, ``settings`` the base of all configurations,
 ``evaluation`` the greedy episodes that measure the network, ``seeds`` the episode seeds, ``process`` threads and
 interrupts, ``tensorboard`` the scalars of its progress. ``checkpoint``, ``networks`` and ``worlds`` write and read the
-content of checkpoints. ``former`` runs commands of before.
+content of checkpoints. ``former`` translates the commands of earlier versions.
 """

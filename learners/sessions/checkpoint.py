@@ -26,9 +26,7 @@ def write_checkpoint(folder: Path, tensors: Mapping[str, NDArray[Any]], state: M
 def read_checkpoint(path: Path) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
     """Return the arrays of a checkpoint by name, and its other state.
 
-    Raises:
-        InputError: it is missing or damaged.
-
+    Raises :class:`InputError` if the file is missing or damaged.
     """
     tensors, metadata = read_tensors(path)
     with reporting_damage(path):
@@ -39,9 +37,7 @@ def read_checkpoint(path: Path) -> tuple[dict[str, NDArray[Any]], dict[str, Any]
 def reporting_damage(path: Path) -> Iterator[None]:
     """Report errors of the block that restores a checkpoint as errors of its file.
 
-    Raises:
-        InputError: something is missing from the checkpoint or has another shape.
-
+    Raises :class:`InputError` if something is missing from the checkpoint or has another shape.
     """
     try:
         yield

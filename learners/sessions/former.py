@@ -1,4 +1,4 @@
-"""Commands that trained a learner before ``indoor-explorers train`` did: translated, told, and run."""
+"""Training commands of earlier versions: they are translated to ``indoor-explorers train``, printed and run."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from collections.abc import Sequence
 
 
 def translated(learner: str, words: Sequence[str]) -> list[str]:
-    """Return the words of ``indoor-explorers`` for a former command's: ``--learn-from real`` is ``learn_from=real``.
+    """Return the arguments of ``indoor-explorers`` for those of a former command.
 
-    An interrupted training goes on, as it did then.
+    ``--learn-from real`` becomes ``learn_from=real``. As before, an interrupted training is resumed.
     """
     given: dict[str, list[str]] = {}
     for word in words:
@@ -28,7 +28,7 @@ def translated(learner: str, words: Sequence[str]) -> list[str]:
 
 
 def run_former(learner: str) -> int:
-    """Tell which command this one has become, run that, and return its exit status."""
+    """Print the command that replaces this one, run it, and return its exit status."""
     now = translated(learner, sys.argv[1:])
     sys.stderr.write(f"this command is now: {shlex.join(['indoor-explorers', *now])}\n")
     return subprocess.call([sys.executable, "-P", "-m", "indoor_explorers.evaluation.cli", *now])

@@ -10,14 +10,19 @@ from numpy.typing import NDArray
 from torch import nn
 
 
+def network_arrays(network: nn.Module) -> dict[str, NDArray[Any]]:
+    """Return copies of the weights of a network by name, as torch stores them."""
+    return {name: value.detach().cpu().numpy().copy() for name, value in network.state_dict().items()}
+
+
 def learner_tensors(networks: Mapping[str, nn.Module], optimiser: torch.optim.Optimizer) -> dict[str, NDArray[Any]]:
     """Return copies of the weights of networks and of their optimiser's state, by name."""
-    found: dict[str, torch.Tensor] = {}
+    found: dict[str, NDArray[Any]] = {}
     for name, network in networks.items():
-        found |= {f"{name}/{key}": value for key, value in network.state_dict().items()}
+        found |= {f"{name}/{key}": array for key, array in network_arrays(network).items()}
     for place, entries in optimiser.state_dict()["state"].items():
-        found |= {f"optimiser/{place}/{key}": value for key, value in entries.items()}
-    return {name: value.cpu().numpy().copy() for name, value in found.items()}
+        found |= {f"optimiser/{place}/{key}": value.cpu().numpy().copy() for key, value in entries.items()}
+    return found
 
 
 def restore_learner(

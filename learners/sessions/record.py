@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import platform
 from collections.abc import Collection, Iterable, Mapping
@@ -13,10 +14,11 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.files import written_whole
-from indoor_explorers.env.provenance import source_commit, versions
+from indoor_explorers.env.provenance import joined, recorded_maps, source_commit, versions
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.scenarios.seed_sets import SeedUse
 from indoor_explorers.env.scenarios.validation import validated
+from indoor_explorers.learners.sessions.seeds import recorded_seeds
 from indoor_explorers.learners.sessions.settings import LearnerSettings
 
 RECORD = "training.json"
@@ -48,8 +50,8 @@ class TrainingRecord(BaseModel):
     commits: tuple[str | None, ...] = ()
     """All commits that the training ran under, the first one first; empty in older records."""
     seen_maps: dict[str, tuple[str, ...]] = {}
-    """The map files behind the network by use, as :meth:`~indoor_explorers.env.policies.policy.Policy.seen_maps` tells
-    them; empty where all maps were generated, and in older records."""
+    """The training's map files by use, as in :meth:`~indoor_explorers.env.policies.policy.Policy.seen_maps`; empty
+    where all maps were generated, and in older records."""
     seconds: float = 0.0
     """Duration of the training in seconds, evaluations included."""
     done: bool = False
@@ -97,7 +99,7 @@ def new_record(
 
 
 def _file_digests(task: Scenario) -> list[str]:
-    """Return the digests of a scenario's maps that no seed makes, and of their layouts."""
+    """Return the digests of a scenario's map files and of their layouts; none for generated maps."""
     maps = task.map
     plans = [] if maps.generated else [maps.floorplan(index, 0) for index in range(maps.count)]
     return [digest for plan in plans for digest in (plan.digest, plan.layout)]
@@ -116,19 +118,39 @@ def record_of(weights: Path) -> Path:
     return shipped if shipped.exists() else weights.parent / RECORD
 
 
-def record_there(mine: Kind, config: LearnerSettings, folder: Path) -> Kind | None:
-    """Return the record that a folder holds of the training that ``mine`` would begin; None without one.
+def digest_of(path: Path) -> str:
+    """Return the SHA-256 digest of a weights file, for the provenance of results."""
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+class RecordedWeights:
+    """The part of a policy that reports the trainings of its weights, from the records of these trainings."""
+
+    def weights_paths(self) -> list[Path]:
+        """Return the paths of the weights that the policy may fly."""
+        raise NotImplementedError
+
+    def seen_seeds(self) -> dict[str, list[range]]:
+        """Return the seeds of the trainings and their evaluations, and of the rooms that the weights were chosen on."""
+        return joined([recorded_seeds(record_of(path)) for path in self.weights_paths()])
+
+    def seen_maps(self) -> dict[str, list[str]]:
+        """Return the map files that the trainings flew."""
+        return joined([recorded_maps(record_of(path)) for path in self.weights_paths()])
+
+
+def existing_record(mine: Kind, config: LearnerSettings, folder: Path) -> Kind | None:
+    """Return the record in a folder, of the same training as the new record ``mine``; None without one.
 
     Settings that were added since it was written have their defaults, those of ``config``.
 
-    Raises:
-        InputError: the folder holds another training: of another learner, seed, scenario or configuration.
-
+    Raises :class:`InputError` if the folder holds another training: of another learner, seed, scenario or
+    configuration.
     """
     if not (folder / RECORD).exists():
         return None
     there = read_record(folder, type(mine), [mine.learner])
-    with suppress(ValidationError):  # a setting that there is no more: the comparison names it
+    with suppress(ValidationError):  # a setting that was removed since: the comparison names it
         whole = type(config).model_validate(there.config).model_dump(mode="json")
         there = there.model_copy(update={"config": whole})
     asked = {name: getattr(mine, name) for name in ("seed", "task", "fingerprint")} | mine.config
@@ -146,9 +168,7 @@ def record_there(mine: Kind, config: LearnerSettings, folder: Path) -> Kind | No
 def read_record(folder: Path, kind: type[Kind], learners: Collection[str]) -> Kind:
     """Return the record of a folder.
 
-    Raises:
-        InputError: the folder is missing, or holds no training of one of these ``learners``.
-
+    Raises :class:`InputError` if the folder is missing, or holds no training of one of these ``learners``.
     """
     path = folder / RECORD
     try:

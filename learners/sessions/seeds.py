@@ -1,4 +1,4 @@
-"""Episode seeds of trainings: each has a block to train on and one to be evaluated on, which nothing else uses."""
+"""Episode seeds of trainings: each has a block for training and one for its evaluations, which nothing else uses."""
 
 from __future__ import annotations
 
@@ -15,9 +15,7 @@ MOST_SEEDS = 2**20
 def training_seeds(seed: int) -> int:
     """Return the first episode seed of a training.
 
-    Raises:
-        InputError: ``seed`` is not between 0 and :data:`MOST_SEEDS` - 1.
-
+    Raises :class:`InputError` if ``seed`` is not between 0 and :data:`MOST_SEEDS` - 1.
     """
     if not 0 <= seed < MOST_SEEDS:
         raise InputError(f"expected a seed from 0 to {MOST_SEEDS - 1}, got {seed}")
@@ -35,7 +33,7 @@ def evaluation_seeds(seed: int) -> int:
 
 
 def recorded_seeds(path: Path) -> dict[str, list[range]]:
-    """Return the episode seeds behind some weights by their use, from the record of the training; empty without one.
+    """Return the episode seeds of a training by their use, from its record; empty without one.
 
     ``compared_on`` in a record holds the first and the last seed of rooms that former weights or settings were compared
     on.

@@ -17,7 +17,7 @@ from typing import Any, ClassVar
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.learners.sessions.process import deferred_interrupt
-from indoor_explorers.learners.sessions.record import RECORD, TrainingRecord, record_there, write_record
+from indoor_explorers.learners.sessions.record import RECORD, TrainingRecord, existing_record, write_record
 from indoor_explorers.learners.sessions.settings import LearnerSettings
 
 #: Seconds between two reports.
@@ -26,12 +26,12 @@ REPORT_EVERY = 0.5
 
 @dataclass(frozen=True, kw_only=True)
 class TrainingStatus:
-    """What a learner reports of itself."""
+    """The status that a trainee reports."""
 
     total_steps: int
     """Moves of the whole training; an estimate where the length is given in episodes."""
     counted: str = "steps"
-    """What steps are, where they are no moves."""
+    """Noun for ``steps``, for learners that do not count moves."""
     epsilon: float | None = None
     """Current probability of a random move; None for learners with a stochastic policy."""
     loss: float = math.nan
@@ -63,7 +63,7 @@ class Trainee(ABC):
     @property
     @abstractmethod
     def steps(self) -> int:
-        """Moves made, or what else the status counts."""
+        """Moves made, or other units: see :attr:`TrainingStatus.counted`."""
 
     @property
     @abstractmethod
@@ -150,7 +150,7 @@ class Session:
         there = (self.out / checkpoint).exists()
         if not resume and (there or (self.out / RECORD).exists()):
             raise InputError(f"{self.out} already holds a training; give --resume to continue it, or another --out")
-        before = record_there(self.record, self._config, self.out)
+        before = existing_record(self.record, self._config, self.out)
         if there:
             if before is None:
                 raise InputError(f"{self.out}: expected {RECORD} beside {checkpoint}, found none; give another --out")
@@ -169,9 +169,7 @@ class Session:
     def run(self, trainee: Trainee) -> None:
         """Train to the end, then evaluate and write everything; after a Ctrl-C write everything at once.
 
-        Raises:
-            KeyboardInterrupt: after a Ctrl-C, when everything is written.
-
+        Raises :class:`KeyboardInterrupt` after a Ctrl-C, when everything is written.
         """
         self._first_step, self._count = trainee.steps, self._counted(trainee)
         self._evaluations = [each for each in self.record.evaluations if each[trainee.unit] <= self._count]

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from types import TracebackType
+from contextlib import ExitStack
+from functools import partial
 from typing import Any
 
 from indoor_explorers.learners.sessions.session import Progress, Session
@@ -11,35 +12,22 @@ from indoor_explorers.learners.sessions.session import Progress, Session
 FOLDER = "tensorboard"
 
 
-class Scalars:
+class Scalars(ExitStack):
     """Write the progress of a session as event files; without the package tensorboardX, write nothing."""
 
     def __init__(self, session: Session) -> None:
-        self._out = session.out / FOLDER
-        self._writer: Any = None
-        session.listeners.append(self.write)
-
-    def __enter__(self) -> Scalars:
-        """Open a new event file in the training's folder."""
+        super().__init__()
         try:
             from tensorboardX import SummaryWriter  # type: ignore[import-untyped]  # has no types
         except ModuleNotFoundError:
-            return self
-        self._writer = SummaryWriter(str(self._out))
-        return self
+            return
+        writer = self.enter_context(SummaryWriter(str(session.out / FOLDER)))
+        session.listeners.append(partial(_write, writer))
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Close the event file."""
-        if self._writer is not None:
-            self._writer.close()
 
-    def write(self, progress: Progress) -> None:
-        """Write the scalars of a progress report."""
-        if self._writer is not None:
-            for name, value in scalars(progress).items():
-                self._writer.add_scalar(name, value, progress.steps)
+def _write(writer: Any, progress: Progress) -> None:
+    for name, value in scalars(progress).items():
+        writer.add_scalar(name, value, progress.steps)
 
 
 def scalars(progress: Progress) -> dict[str, float]:

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.learners.sessions.checkpoint import CHECKPOINT
 from indoor_explorers.learners.sessions.process import one_thread
-from indoor_explorers.learners.sessions.record import TrainingRecord, record_there
+from indoor_explorers.learners.sessions.record import TrainingRecord, existing_record
 from indoor_explorers.learners.sessions.seeds import training_seeds
 from indoor_explorers.learners.sessions.session import Progress, Session, Trainee
 from indoor_explorers.planners.toolbox.networks.tensors import WEIGHTS
@@ -67,9 +67,7 @@ class TrainingMethod(NamedTuple):
     def finished(self, config: Any, scenario: Scenario | None, out: Path, *, seed: int) -> TrainingRecord | None:
         """Return the record of the training in the folder ``out`` if it is finished, None if it is not.
 
-        Raises:
-            InputError: ``out`` holds another training, or a damaged one.
-
+        Raises :class:`InputError` if ``out`` holds another training, or a damaged one.
         """
-        there = record_there(self.record(config, scenario, seed), config, out)
+        there = existing_record(self.record(config, scenario, seed), config, out)
         return there if there is not None and there.done else None

@@ -51,8 +51,8 @@ def evaluate(
     """
     seeds = iter(range(first_seed, first_seed + episodes))
     team = range(task.team)
-    looks: dict[str, Any] = {"frames": frames, "identity": identity, "centred": centred}
-    flight = ImageFlight(task, episodes, lambda: next(seeds), pilots=team, **looks)
+    image_settings: dict[str, Any] = {"frames": frames, "identity": identity, "centred": centred}
+    flight = ImageFlight(task, episodes, lambda: next(seeds), pilots=team, **image_settings)
     world, score = flight.world, np.zeros(flight.columns)
     curve = [world.team_coverage]
     while len(flying := np.flatnonzero(flight.end == End.FLYING)):

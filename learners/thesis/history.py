@@ -67,16 +67,13 @@ class History:
     def tensors(self) -> dict[str, NDArray[Any]]:
         """Return everything that :meth:`restore` needs, by name."""
         rows = np.array(self.rows, np.float64).reshape(-1, 4)
-        return {"history/rows": rows, "history/running": self.running} | {
-            "history/covered": self.covered,
-            "history/flown": self.flown,
-        }
+        arrays = {"rows": rows, "running": self.running, "covered": self.covered, "flown": self.flown}
+        return {f"history/{name}": array for name, array in arrays.items()}
 
     def restore(self, tensors: dict[str, NDArray[Any]]) -> None:
         """Restore the state that :meth:`tensors` returned."""
-        self.rows = [
-            (score, int(steps), part, int(end)) for score, steps, part, end in tensors["history/rows"].tolist()
-        ]
+        rows = tensors["history/rows"].tolist()
+        self.rows = [(score, int(steps), coverage, int(end)) for score, steps, coverage, end in rows]
         self.running = tensors["history/running"]
         self.covered, self.flown = tensors["history/covered"], tensors["history/flown"]
 

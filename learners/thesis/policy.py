@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections import deque
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,18 +13,14 @@ from numpy.typing import NDArray
 from indoor_explorers.env.files import expanded
 from indoor_explorers.env.policies.policy import TRAINED_GOAL, Policy
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.env.provenance import recorded_maps
 from indoor_explorers.learners.guard import WatchedPilot
-from indoor_explorers.learners.sessions.record import record_of
-from indoor_explorers.learners.sessions.seeds import recorded_seeds
-from indoor_explorers.learners.thesis.inference import q_values
+from indoor_explorers.learners.sessions.record import RecordedWeights, digest_of
+from indoor_explorers.learners.thesis.inference import MOVES, SHIPPED, ImageFormat, q_values, trained
 from indoor_explorers.learners.thesis.observation import LEVELS, centred, painted, window
-from indoor_explorers.learners.thesis.sizes import MOVES, ImageFormat
-from indoor_explorers.learners.thesis.weights import SHIPPED, trained
 
 
 @dataclass(frozen=True, kw_only=True)
-class DddqnThesis(Policy):
+class DddqnThesis(RecordedWeights, Policy):
     """Explore with the DDDQN of the IndoorExplorers thesis: its network, its image of the map, greedily.
 
     It makes the move of highest value, also into walls, as in the thesis. On maps larger than the training maps it
@@ -60,15 +55,11 @@ class DddqnThesis(Policy):
 
     def provenance(self) -> dict[str, str]:
         """Return the hash of the weights."""
-        return {"weights_sha256": hashlib.sha256(self.path.read_bytes()).hexdigest()}
+        return {"weights_sha256": digest_of(self.path)}
 
-    def seen_seeds(self) -> dict[str, list[range]]:
-        """Return the seeds of the training and its evaluations."""
-        return recorded_seeds(record_of(self.path))
-
-    def seen_maps(self) -> dict[str, list[str]]:
-        """Return the map files that the training flew."""
-        return recorded_maps(record_of(self.path))
+    def weights_paths(self) -> list[Path]:
+        """Return the path of the weights."""
+        return [self.path]
 
     def pilot(self, briefing: Briefing) -> DddqnThesisPilot:
         """Make the pilot of one UAV for one episode."""

@@ -9,8 +9,8 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
+from indoor_explorers.learners.thesis.inference import ImageFormat
 from indoor_explorers.learners.thesis.observation import LEVELS
-from indoor_explorers.learners.thesis.sizes import ImageFormat
 
 
 class Transitions(NamedTuple):
@@ -55,11 +55,10 @@ class ThesisReplay:
 
     def add(self, new: Transitions) -> None:
         """Write transitions over the oldest ones."""
-        for i in range(len(new.action)):
-            at = self.written % len(self.data.action)
-            for name, store in self.data._asdict().items():
-                store[at] = getattr(new, name)[i]
-            self.written += 1
+        places = (self.written + np.arange(len(new.action))) % len(self.data.action)
+        for name, store in self.data._asdict().items():
+            store[places] = getattr(new, name)
+        self.written += len(new.action)
 
     def sample(self, size: int, rng: np.random.Generator) -> ThesisBatch:
         """Draw ``size`` different transitions; ``size`` is at most :attr:`filled`."""

@@ -43,16 +43,16 @@ class ImageFlight:
         self._painted = np.zeros((self.columns, height, width), np.uint8)
         self.images = np.zeros((self.columns, frames, *self.shape), np.uint8)
         """(C, K, H, W) uint8 codes, the latest image last."""
-        self._look_anew(self.columns_of(np.arange(episodes)))
+        self._draw_first(self.columns_of(np.arange(episodes)))
 
     def columns_of(self, episodes: NDArray[np.int64]) -> NDArray[np.int64]:
         """Return the columns (C,) of the UAVs that the network flies in ``episodes`` (E,)."""
         return np.asarray((episodes[:, None] * self.world.scenario.team + self.pilots).ravel())
 
-    def _look_anew(self, columns: NDArray[np.int64]) -> None:
-        self.images[columns] = self._look(columns)[:, None]
+    def _draw_first(self, columns: NDArray[np.int64]) -> None:
+        self.images[columns] = self._draw(columns)[:, None]
 
-    def _look(self, columns: NDArray[np.int64]) -> NDArray[np.uint8]:
+    def _draw(self, columns: NDArray[np.int64]) -> NDArray[np.uint8]:
         state, team = self.world.state, self.world.scenario.team
         heard = state.last_received_step, state.last_received_cell
         paint_all(state.belief, state.believed_cell, *heard, self._identity, columns, team, self._painted)
@@ -76,7 +76,7 @@ class ImageFlight:
         """Make the moves ``actions`` (C,); return the images of ``columns`` (P,) before and after, (P, K + 1, H, W)."""
         before = self.images[columns]
         self.world.step(actions.reshape(self.world.state.end.shape))
-        seen = np.concatenate([before, self._look(columns)[:, None]], axis=1)
+        seen = np.concatenate([before, self._draw(columns)[:, None]], axis=1)
         self.images[columns] = seen[:, 1:]
         return seen
 
@@ -84,7 +84,7 @@ class ImageFlight:
         """Start new episodes in place of ``episodes`` (E,)."""
         for episode in episodes.tolist():
             begin(self.world, episode, self._next_seed())
-        self._look_anew(self.columns_of(episodes))
+        self._draw_first(self.columns_of(episodes))
 
     def tensors(self) -> dict[str, NDArray[Any]]:
         """Return everything that :meth:`restore` needs, by name."""

@@ -12,8 +12,8 @@ from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.frontier.burgard import SequentialPilot
-from indoor_explorers.planners.frontier.group_pilot import Choices
-from indoor_explorers.planners.toolbox.parameters import SwitchCostParameters, at_least
+from indoor_explorers.planners.frontier.group_pilot import ClusterChoices
+from indoor_explorers.planners.toolbox.parameters import SwitchCostParameters, bounded
 
 
 @renamed(hold="switch_cost")
@@ -22,24 +22,21 @@ class FrontierAdvantage(SwitchCostParameters, Policy):
     """Fly to the cluster with the largest advantage: its mean distance from the other clusters, minus the path to it.
 
     L. Ericson, J. Pedro, P. Jensfelt, "Information gain is not all you need", arXiv:2504.01980, 2025. A cluster that is
-    far from all others would cost a detour later; what it hides plays no role. Distances above ``reach`` count as
+    far from all others would cost a detour later; the area behind it plays no role. Distances above ``reach`` count as
     ``reach``. Teams take the clusters in turn as in :mod:`indoor_explorers.planners.frontier.burgard`.
     """
 
     plans_for: ClassVar[str] = ALL_CELLS
 
-    remoteness: float = 1.0
+    remoteness: float = bounded(1.0, least=0)
     """Weight of the mean distance from the other clusters against the path length."""
-    reach: float = 6.0
+    reach: float = bounded(6.0, least=0)
     """Distance at which another cluster counts as far, in lidar ranges."""
     switch_cost: float = 0.5
-    weight: float = 4.0
+    weight: float = bounded(4.0, least=0)
     """A cluster at a place that another UAV has taken counts as this many lidar ranges farther."""
-    taken: float = 1.0
+    taken: float = bounded(1.0, least=0)
     """Distance up to which a taken cluster adds to the cost of others, in lidar ranges."""
-
-    def __post_init__(self) -> None:
-        at_least(self, 0.0, "remoteness", "reach", "switch_cost", "weight", "taken")
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""
@@ -53,9 +50,9 @@ class AdvantagePilot(SequentialPilot):
         super().__init__(briefing, policy.switch_cost, policy.weight, policy.taken)
         self._remoteness, self._reach = policy.remoteness, policy.reach * briefing.lidar_range
 
-    def gains(self, view: View, choices: Choices) -> NDArray[np.float64]:
+    def gains(self, view: View, choices: ClusterChoices) -> NDArray[np.float64]:
         """Return each cluster's mean distance from the others, weighted, (K,)."""
-        between = np.minimum(self.paths.matrix(view.belief, choices.places()), self._reach)
+        between = np.minimum(self.paths.matrix(view.belief, choices.viewpoints()), self._reach)
         return np.asarray(self._remoteness * between.sum(axis=1) / max(1, len(between) - 1))
 
     def score(self, gains: NDArray[np.float64], costs: NDArray[np.float64]) -> NDArray[np.float64]:

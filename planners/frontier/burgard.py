@@ -15,8 +15,8 @@ from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.sensing.lidar import LidarModel, lidar_model, new_scan, visible_cells
-from indoor_explorers.planners.frontier.group_pilot import Choices, GroupPilot
-from indoor_explorers.planners.toolbox.parameters import SwitchCostParameters, at_least
+from indoor_explorers.planners.frontier.group_pilot import ClusterChoices, GroupPilot
+from indoor_explorers.planners.toolbox.parameters import SwitchCostParameters, bounded
 
 
 @renamed(hold="switch_cost")
@@ -33,13 +33,10 @@ class FrontierBurgard(SwitchCostParameters, Policy):
     plans_for: ClassVar[str] = ALL_CELLS
 
     switch_cost: float = 1.0
-    weight: float = 4.0
+    weight: float = bounded(4.0, least=0)
     """Utility of a cluster in lidar ranges of path; a cluster in a taken one's place loses all of it (paper: beta)."""
-    reach: float = 1.0
+    reach: float = bounded(1.0, least=0)
     """Distance up to which a taken cluster lowers the utility of others, in lidar ranges."""
-
-    def __post_init__(self) -> None:
-        at_least(self, 0.0, "switch_cost", "weight", "reach")
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""
@@ -59,13 +56,13 @@ class SequentialPilot(GroupPilot):
         """Return the scores (N, K) of pairs of UAV and cluster, from the clusters' gains (K,) and costs in steps."""
         return -costs
 
-    def gains(self, view: View, choices: Choices) -> NDArray[np.float64]:
+    def gains(self, view: View, choices: ClusterChoices) -> NDArray[np.float64]:
         """Return the utility of each cluster before any is taken, (K,)."""
         return np.zeros(len(choices.numbers))
 
-    def assigned(self, view: View, choices: Choices) -> int:
+    def assigned(self, view: View, choices: ClusterChoices) -> int:
         """Return the cluster that this UAV gets in its turn."""
-        costs, gains, places = choices.costs(self.switch_cost), self.gains(view, choices), choices.places()
+        costs, gains, places = choices.costs(self.switch_cost), self.gains(view, choices), choices.viewpoints()
         waiting = np.ones(len(costs), np.bool_)
         while True:
             scores = np.where(choices.steps < UNREACHABLE, self.score(gains, costs), -np.inf)

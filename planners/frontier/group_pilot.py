@@ -16,10 +16,9 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import Cell, Distances
 from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.policies.view import View
-from indoor_explorers.planners.toolbox.coordination.group_members import GroupMember, group_of
 from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters, frontier_clusters, nearest_cells
 from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
-from indoor_explorers.planners.toolbox.navigation.teammates import message_of, remembered
+from indoor_explorers.planners.toolbox.navigation.teammates import GroupMember, group_of, message_of, remembered
 
 #: Largest number of clusters considered: those nearest to any UAV of the group.
 CLUSTERS = 64
@@ -27,7 +26,7 @@ CLUSTERS = 64
 INHERITANCE = 0.5
 
 
-class Choices(NamedTuple):
+class ClusterChoices(NamedTuple):
     """N UAVs of a group, in the order of their numbers, and K clusters, the nearest to any of them."""
 
     me: int
@@ -46,7 +45,7 @@ class Choices(NamedTuple):
         """Return the steps (N, K), reduced by ``switch_cost`` steps for the cluster that a UAV is flying to."""
         return self.steps - switch_cost * self.held
 
-    def places(self) -> NDArray[np.int32]:
+    def viewpoints(self) -> NDArray[np.int32]:
         """Return the flat cell of each cluster that is nearest to any UAV, (K,)."""
         return np.asarray(self.cells[self.steps.argmin(axis=0), np.arange(self.steps.shape[1])])
 
@@ -57,7 +56,7 @@ class GroupPilot(GoalPilot):
     replan_period: float = 0
 
     @abstractmethod
-    def assigned(self, view: View, choices: Choices) -> int:
+    def assigned(self, view: View, choices: ClusterChoices) -> int:
         """Return the index of the cluster that this UAV flies to; it can reach at least one of the K clusters."""
 
     def choose(self, view: View) -> Cell | None:
@@ -79,7 +78,7 @@ class GroupPilot(GoalPilot):
         own = GroupMember(self.briefing.agent, view.cell, self.goal)
         return group_of(own, remembered(view, self.briefing))
 
-    def choices(self, view: View, members: list[GroupMember]) -> Choices:
+    def choices(self, view: View, members: list[GroupMember]) -> ClusterChoices:
         """Return the UAVs and clusters of this decision."""
         clusters = frontier_clusters(view.belief, self.briefing.lidar_range)
         near = [nearest_cells(self.steps_from(view, member.cell), clusters) for member in members]
@@ -90,7 +89,7 @@ class GroupPilot(GoalPilot):
         numbers = np.argsort(nearest, kind="stable")[:CLUSTERS]
         numbers = numbers[nearest[numbers] < UNREACHABLE]
         held = np.stack([self._held(clusters, member.goal) for member in members])
-        return Choices(me, clusters, numbers, cells[:, numbers], steps[:, numbers], held[:, numbers])
+        return ClusterChoices(me, clusters, numbers, cells[:, numbers], steps[:, numbers], held[:, numbers])
 
     def _held(self, clusters: Clusters, goal: Cell | None) -> NDArray[np.bool_]:
         """Return the cluster of a goal, or of the frontier cell that replaces it, (clusters,) bool."""

@@ -8,8 +8,8 @@ from typing import ClassVar
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.planners.frontier.group_pilot import Choices, GroupPilot
-from indoor_explorers.planners.toolbox.parameters import SwitchCostParameters, at_least
+from indoor_explorers.planners.frontier.group_pilot import ClusterChoices, GroupPilot
+from indoor_explorers.planners.toolbox.parameters import SwitchCostParameters, bounded
 from indoor_explorers.planners.toolbox.routing.assignment import matched
 
 
@@ -26,11 +26,8 @@ class FrontierHungarian(SwitchCostParameters, Policy):
     plans_for: ClassVar[str] = ALL_CELLS
 
     switch_cost: float = 1.0
-    extra: float = 1.0
+    extra: float = bounded(1.0, least=0)
     """Cost of not being the first UAV at a cluster, in lidar ranges."""
-
-    def __post_init__(self) -> None:
-        at_least(self, 0.0, "switch_cost", "extra")
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""
@@ -44,7 +41,7 @@ class HungarianPilot(GroupPilot):
         super().__init__(briefing)
         self._policy = policy
 
-    def assigned(self, view: View, choices: Choices) -> int:
+    def assigned(self, view: View, choices: ClusterChoices) -> int:
         """Return the cluster matched to this UAV."""
         reach = self.briefing.lidar_range
         costs = choices.costs(self._policy.switch_cost * reach)

@@ -1,4 +1,4 @@
-"""Frontier clusters by what is truly behind them, made wrong on purpose: how good must an estimate be?"""
+"""Frontier clusters weighted by the true sizes of pockets, with errors added: how good must an estimate be?"""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.frontier.predictive import FrontierPredictive, PredictivePilot
 from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters, middles
-from indoor_explorers.planners.toolbox.parameters import at_least
+from indoor_explorers.planners.toolbox.parameters import bounded
 from indoor_explorers.planners.toolbox.pockets.estimates import PocketEstimates
 from indoor_explorers.planners.toolbox.pockets.labels import true_pockets
 from indoor_explorers.planners.toolbox.pockets.network import THRESHOLDS
 
-#: Cells that are told of a mistaken cluster that hides nothing.
+#: Reported size, in cells, of a mistaken cluster that hides nothing.
 SUPPOSED = 30.0
 #: Side of the squares of the map that share an error, in cells: a cluster keeps its error while it moves a little.
 SQUARE = 6
@@ -28,37 +28,33 @@ SQUARE = 6
 @renamed()
 @dataclass(frozen=True, kw_only=True)
 class FrontierInformed(FrontierPredictive):
-    """Fly as ``frontier-predictive`` does, with the true sizes of pockets, or with sizes that are wrong by so much.
+    """Fly as ``frontier-predictive`` does, with the true sizes of pockets, or with sizes that have a given error.
 
-    It is told how much is behind each cluster, and nothing else of the true map.
+    It uses the sizes alone, and nothing else of the true map.
     """
 
     privileged: ClassVar[bool] = True
 
-    error: float = 0.0
-    """Standard deviation of the natural logarithm of told size by true size."""
-    mistaken: float = 0.0
-    """Share of clusters that are told to be empty if they are not, and not to be if they are; 0 to 1."""
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        at_least(self, 0.0, "error", "mistaken")
+    error: float = bounded(0.0, least=0)
+    """Standard deviation of the natural logarithm of reported size by true size."""
+    mistaken: float = bounded(0.0, least=0)
+    """Share of clusters that are reported as empty if they are not, and as not empty if they are; 0 to 1."""
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""
         return InformedPilot(briefing, self)
 
     def provenance(self) -> dict[str, str]:
-        """Return nothing: the network is not asked."""
+        """Return nothing, as the network is not used."""
         return {}
 
     def seen_maps(self) -> dict[str, list[str]]:
-        """Return no maps: the network is not asked."""
+        """Return no maps, as the network is not used."""
         return {}
 
 
 class InformedPilot(PredictivePilot):
-    """Look behind the clusters."""
+    """Take the sizes of pockets from the true map."""
 
     def __init__(self, briefing: Briefing, policy: FrontierInformed) -> None:
         super().__init__(briefing, policy)
@@ -70,14 +66,14 @@ class InformedPilot(PredictivePilot):
         self._mistaken = briefing.rng.random(squares) < policy.mistaken
 
     def estimates(self, view: View, clusters: Clusters) -> PocketEstimates:
-        """Return what the planner is told of K clusters, as if it were sure."""
+        """Return the reported sizes of K clusters as certain estimates."""
         field = self.steps_from(view, view.cell)
-        sizes = self.told(true_pockets(view.belief, self._truth, field, clusters).sizes, clusters)
+        sizes = self.reported(true_pockets(view.belief, self._truth, field, clusters).sizes, clusters)
         tails = (sizes[:, None] > np.array(THRESHOLDS)).astype(np.float64)
         return PocketEstimates(tails, sizes, np.zeros(clusters.size))
 
-    def told(self, sizes: NDArray[np.float64], clusters: Clusters) -> NDArray[np.float64]:
-        """Return the sizes (K,) that the planner is told."""
+    def reported(self, sizes: NDArray[np.float64], clusters: Clusters) -> NDArray[np.float64]:
+        """Return the reported sizes (K,) for the true ones."""
         rows, cols = np.divmod(middles(clusters, self.paths.width), self.paths.width)
         place = rows // SQUARE, cols // SQUARE
         swapped = np.where(sizes > 0.0, 0.0, SUPPOSED)

@@ -1,4 +1,4 @@
-"""Frontier clusters in short sequences, chosen jointly by the group and weighed against what they leave behind."""
+"""Frontier clusters in short sequences, chosen jointly by the group, against the cost of the clusters left behind."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ from indoor_explorers.planners.toolbox.coordination.sequence_chooser import Sequ
 from indoor_explorers.planners.toolbox.information.candidates import frontier_candidates, local_candidates
 from indoor_explorers.planners.toolbox.navigation.candidate_pilot import CandidatePilot
 from indoor_explorers.planners.toolbox.navigation.teammates import message_of
-from indoor_explorers.planners.toolbox.parameters import ReplanParameters, at_least
+from indoor_explorers.planners.toolbox.parameters import ReplanParameters, bounded
 
 
 @renamed(fade="decay_length", rate="discount_rate", hold="goal_bonus")
 @dataclass(frozen=True, kw_only=True)
 class FrontierJoint(SequenceParameters, ReplanParameters, Policy):
-    """Fly to the place with the best short sequence, minus the cost of all clusters that it leaves behind.
+    """Fly to the candidate with the best short sequence, minus the cost of all clusters that it leaves behind.
 
-    Places are the frontier clusters, each at its cell nearest to the group, and a few cells near each UAV with
-    unknown cells in view. The value of a sequence of up to three places is the sum of (remaining gain)^power
+    Candidates are the frontier clusters, each at its cell nearest to the group, and a few cells near each UAV with
+    unknown cells in view. The value of a sequence of up to three candidates is the sum of (remaining gain)^power
     e^(-discount_rate t) trust^k: the discounted gain of H. H. Gonzalez-Banos, J.-C. Latombe, IJRR 2002,
     doi:10.1177/0278364902021010834, in an orienteering problem in which each view counts once. This alone is greedy
-    and leaves small pockets behind. Therefore the score of a place is log(value) - order * cost, with the cost of
+    and leaves small pockets behind. Therefore the score of a candidate is log(value) - order * cost, with the cost of
     the best order of the UAV's own clusters that begins there, as in the travelling repairman problem (A. Blum et
     al., STOC 1994, doi:10.1145/195058.195125).
 
@@ -39,17 +39,12 @@ class FrontierJoint(SequenceParameters, ReplanParameters, Policy):
 
     plans_for: ClassVar[str] = ALL_CELLS
 
-    clusters: int = 32
+    clusters: int = bounded(32, least=1)
     """Most frontier clusters to choose from: the nearest to any UAV of the group."""
-    lookouts: int = 8
+    lookouts: int = bounded(8, least=0)
     """Most other candidates near each UAV, cells with unknown cells in view."""
-    near: int = 6
+    near: int = bounded(6, least=0)
     """Largest distance of these from a UAV, in steps."""
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        at_least(self, 0.0, "period", "lookouts", "near")
-        at_least(self, 1, "clusters")
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""
@@ -69,7 +64,7 @@ class JointPilot(CandidatePilot):
         """Chooses among the candidates."""
 
     def choose(self, view: View) -> Cell | None:
-        """Return the place that this UAV gets in its turn."""
+        """Return the candidate that this UAV gets in its turn."""
         goal = self.chooser.choose(view)
         self.message = message_of(goal)
         return goal

@@ -26,7 +26,7 @@ from indoor_explorers.planners.toolbox.navigation.teammates import remembered
 from indoor_explorers.planners.toolbox.pockets.outlook import Outlook
 from indoor_explorers.planners.toolbox.routing.min_latency import best_orders
 
-#: An order is kept for this many lidar ranges of flight, unless its first place has no gain left before.
+#: An order is kept for this many lidar ranges of flight, unless its first viewpoint has no gain left before.
 KEEP = 0.1
 
 
@@ -35,10 +35,10 @@ KEEP = 0.1
 class FrontierLatency(PlaceParameters, Policy):
     """Fly to the first cluster of the best order of all clusters.
 
-    The place of a cluster is its cell with the largest discounted gain ``g exp(-discount_rate d / R)``, d its
+    The viewpoint of a cluster is its cell with the largest discounted gain ``g exp(-discount_rate d / R)``, d its
     distance and R the lidar range (H. H. Gonzalez-Banos and J.-C. Latombe, IJRR 2002,
     doi:10.1177/0278364902021010834, with g in cells, near and isolated ones weighted more). The order of these
-    places minimises a travelling repairman's cost: the time at which the last one is reached, plus ``latency``
+    viewpoints minimises a travelling repairman's cost: the time at which the last one is reached, plus ``latency``
     times the mean waiting time weighted by gains. It is computed again when the map has changed; an order that
     begins elsewhere must save ``switch_cost``. Paths are the straightest of the shortest ones.
     """
@@ -50,8 +50,8 @@ class FrontierLatency(PlaceParameters, Policy):
         return LatencyPilot(briefing, self)
 
 
-class Places(NamedTuple):
-    """One place for each of K clusters."""
+class ClusterViewpoints(NamedTuple):
+    """One viewpoint for each of K clusters."""
 
     cells: NDArray[np.int32]
     """(K,) flat cells."""
@@ -76,21 +76,21 @@ class LatencyPilot(GoalPilot):
         self.replan_period = self.steps_in(KEEP)
 
     def choose(self, view: View) -> Cell | None:
-        """Return the first place of the order of lowest cost."""
-        places = self._places(view)
-        if len(places.cells) == 0:
+        """Return the first viewpoint of the order of lowest cost."""
+        viewpoints = self._viewpoints(view)
+        if len(viewpoints.cells) == 0:
             return None
-        costs = self._orders(view, places)[0] - self._policy.switch_cost * places.kept
-        return divmod(int(places.cells[np.argmin(costs)]), self.paths.width)
+        costs = self._orders(view, viewpoints)[0] - self._policy.switch_cost * viewpoints.kept
+        return divmod(int(viewpoints.cells[np.argmin(costs)]), self.paths.width)
 
     def order(self, view: View) -> list[Cell]:
-        """Return the places of the order of lowest cost, in turn; it does not count which one the UAV flies to now."""
-        places = self._places(view)
-        positions = self._orders(view, places)[1]
-        return [divmod(int(cell), self.paths.width) for cell in places.cells[np.argsort(positions)]]
+        """Return the viewpoints of the order of lowest cost, in turn, without the switch cost."""
+        viewpoints = self._viewpoints(view)
+        positions = self._orders(view, viewpoints)[1]
+        return [divmod(int(cell), self.paths.width) for cell in viewpoints.cells[np.argsort(positions)]]
 
     def outlook(self, view: View, clusters: Clusters, away: Distances) -> Outlook:
-        """Return what to expect of K clusters, ``away`` (K,) steps from the UAV: here, the same of all."""
+        """Return the outlook of K clusters, ``away`` (K,) steps from the UAV: here, the same for all."""
         return Outlook(np.zeros(clusters.size, np.bool_), np.ones(clusters.size))
 
     def factors(self, view: View, cells: NDArray[np.int32], steps: Distances) -> NDArray[np.float64]:
@@ -102,31 +102,31 @@ class LatencyPilot(GoalPilot):
         others = [self.steps_from(view, mate.cell).ravel()[cells] for mate in mates]
         return halved_by_mates(steps, others, [mate.agent < self.briefing.agent for mate in mates])
 
-    def _places(self, view: View) -> Places:
-        """Return the best places of the best reachable clusters."""
+    def _viewpoints(self, view: View) -> ClusterViewpoints:
+        """Return the best viewpoints of the best reachable clusters."""
         found = self._found.found(view)
         outlook = self.outlook(view, found.clusters, found.away)
         wanted = ~outlook.deferred[found.owner]
-        found = found.those(wanted) if wanted.any() and not wanted.all() else found
+        found = found.selected(wanted) if wanted.any() and not wanted.all() else found
         factors = self.factors(view, found.cells, found.steps)
         own = factors > LEFT_TO_OTHERS * factors.max(initial=0.0)
         if not own.all():
-            found, factors = found.those(own), factors[own]
+            found, factors = found.selected(own), factors[own]
         _, _, cells, owner, steps = found
         gains = factors * outlook.chances[owner] * self._found.views(view, cells)
         scores = log_gains(gains) - self._policy.discount_rate * steps / self._range
         kept = self._found.at_goal(cells)
         best = self._found.best_of_each(owner, scores, kept)
         best = best[np.argsort(-scores[best], kind="stable")][: self._policy.clusters]
-        return Places(cells[best], steps[best], gains[best], kept[best])
+        return ClusterViewpoints(cells[best], steps[best], gains[best], kept[best])
 
-    def _orders(self, view: View, places: Places) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-        """Return the costs of the best orders that begin at each place, in lidar ranges, (K,).
+    def _orders(self, view: View, viewpoints: ClusterViewpoints) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+        """Return the costs of the best orders that begin at each viewpoint, in lidar ranges, (K,).
 
-        The second array has each place's position in the best of these orders, (K,).
+        The second array has each viewpoint's position in the best of these orders, (K,).
         """
-        if len(places.cells) <= 1:
-            return np.zeros(len(places.cells)), np.zeros(len(places.cells), np.int64)
-        worth = waiting_weights(places.gains, self._policy.worth)
-        between = self.paths.matrix(view.belief, places.cells) / self._range
-        return best_orders(places.steps / self._range, between, worth / worth.sum(), self._policy.latency)
+        if len(viewpoints.cells) <= 1:
+            return np.zeros(len(viewpoints.cells)), np.zeros(len(viewpoints.cells), np.int64)
+        worth = waiting_weights(viewpoints.gains, self._policy.worth)
+        between = self.paths.matrix(view.belief, viewpoints.cells) / self._range
+        return best_orders(viewpoints.steps / self._range, between, worth / worth.sum(), self._policy.latency)

@@ -1,4 +1,4 @@
-"""Frontier clusters in an order of low mean waiting time, by what is probably behind them."""
+"""Frontier clusters in an order of low mean waiting time, weighted by the expected unknown area behind them."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.frontier.latency import FrontierLatency, LatencyPilot
 from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters
-from indoor_explorers.planners.toolbox.parameters import at_least
 from indoor_explorers.planners.toolbox.pockets.estimates import PocketEstimates, PocketEstimator
 from indoor_explorers.planners.toolbox.pockets.outlook import ClusterJudge, EstimateUser, Outlook, OutlookParameters
 
@@ -21,20 +20,16 @@ from indoor_explorers.planners.toolbox.pockets.outlook import ClusterJudge, Esti
 @renamed()
 @dataclass(frozen=True, kw_only=True)
 class FrontierPredictive(EstimateUser, OutlookParameters, FrontierLatency):
-    """Fly as ``frontier-latency`` does, but weigh clusters by the chance that they lead to something, and defer some.
+    """Fly as ``frontier-latency`` does, but weigh clusters by the probability of unknown free cells, and defer some.
 
     A network estimates from the map around each cluster how much unknown free space is behind it
-    (:mod:`indoor_explorers.planners.toolbox.pockets`). What probably hides little, for its way, waits as far as the
-    goal allows (:mod:`indoor_explorers.planners.toolbox.pockets.outlook`). A UAV declares to be done when it expects to
-    know ``aim`` of all free cells.
+    (:mod:`indoor_explorers.planners.toolbox.pockets`). Clusters with few expected cells for the length of the path are
+    deferred as far as the goal allows (:mod:`indoor_explorers.planners.toolbox.pockets.outlook`). A UAV declares to be
+    done when it expects to know the share ``aim`` of all free cells.
     """
 
     worth: float = 0.8
     """Exponent of gains as weights of waiting times; 0 weights all clusters equally."""
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        at_least(self, 0.0, "skip", "risk", "visit", "near", "aim")
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""
@@ -42,7 +37,7 @@ class FrontierPredictive(EstimateUser, OutlookParameters, FrontierLatency):
 
 
 class PredictivePilot(LatencyPilot):
-    """Ask the network what to expect of the clusters."""
+    """Weigh and defer clusters by the network's estimates."""
 
     def __init__(self, briefing: Briefing, policy: FrontierPredictive) -> None:
         super().__init__(briefing, policy)
@@ -53,17 +48,17 @@ class PredictivePilot(LatencyPilot):
         """Share of all free cells that this UAV expects to know."""
 
     def estimates(self, view: View, clusters: Clusters) -> PocketEstimates:
-        """Return what the network expects behind K clusters."""
+        """Return the network's estimates for K clusters."""
         return self._estimator.estimate(view.belief, clusters)
 
     def outlook(self, view: View, clusters: Clusters, away: Distances) -> Outlook:
-        """Return what to expect of K clusters, ``away`` (K,) steps from the UAV."""
+        """Return the outlook of K clusters, ``away`` (K,) steps from the UAV."""
         known = int(np.count_nonzero(view.belief == FREE))
         estimates = self.estimates(view, clusters)
         self._expected = known / (known + float(estimates.sizes.sum()))
         return self._judge.outlook(estimates, known, away)
 
     def choose_goal(self, view: View) -> None:
-        """Choose a goal, and declare to be done where enough is known."""
+        """Choose a goal, and declare to be done when enough of the map is known."""
         super().choose_goal(view)
         self.done = self.done or self._expected >= self._aim

@@ -12,10 +12,10 @@ from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.planners.frontier.group_pilot import Choices, GroupPilot
+from indoor_explorers.planners.frontier.group_pilot import ClusterChoices, GroupPilot
 from indoor_explorers.planners.toolbox.frontiers.clusters import middles
 from indoor_explorers.planners.toolbox.navigation.paths import Paths
-from indoor_explorers.planners.toolbox.parameters import SwitchCostParameters, at_least
+from indoor_explorers.planners.toolbox.parameters import SwitchCostParameters, bounded
 from indoor_explorers.planners.toolbox.routing.open_tours import open_tour, shared_out
 
 
@@ -36,12 +36,8 @@ class FrontierTour(SwitchCostParameters, Policy):
     plans_for: ClassVar[str] = ALL_CELLS
 
     switch_cost: float = 0.3
-    clusters: int = 30
+    clusters: int = bounded(30, least=1)
     """Largest number of clusters on the tours of a group: the nearest to any of its UAVs."""
-
-    def __post_init__(self) -> None:
-        at_least(self, 0.0, "switch_cost")
-        at_least(self, 1, "clusters")
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""
@@ -56,7 +52,7 @@ class TourPilot(GroupPilot):
         self._policy = policy
         self._between = DistanceCache(self.paths)
 
-    def assigned(self, view: View, choices: Choices) -> int:
+    def assigned(self, view: View, choices: ClusterChoices) -> int:
         """Return the first cluster of this UAV's tour."""
         at_hand = np.arange(min(self._policy.clusters, len(choices.numbers)))  # they are sorted by distance
         uavs, count = len(choices.steps), len(at_hand)

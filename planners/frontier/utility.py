@@ -8,15 +8,14 @@ from typing import ClassVar, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.frontier.burgard import SequentialPilot
-from indoor_explorers.planners.frontier.group_pilot import Choices
+from indoor_explorers.planners.frontier.group_pilot import ClusterChoices
 from indoor_explorers.planners.toolbox.information.view_gain import unclaimed_gains
-from indoor_explorers.planners.toolbox.parameters import SwitchCostParameters, at_least
+from indoor_explorers.planners.toolbox.parameters import SwitchCostParameters, bounded, one_of
 
 #: How gain and cost are combined to a score.
 Form = Literal["size", "difference", "discounted"]
@@ -36,20 +35,15 @@ class FrontierUtility(SwitchCostParameters, Policy):
 
     plans_for: ClassVar[str] = ALL_CELLS
 
-    form: Form = "size"
+    form: Form = one_of("size", get_args(Form))
     """Form of the score: ``size``, ``difference`` or ``discounted``."""
-    cost: float = 3.0
+    cost: float = bounded(3.0, least=0)
     """Weight c of the path length in the form; 3 suits all three."""
     switch_cost: float = 0.5
-    weight: float = 4.0
+    weight: float = bounded(4.0, least=0)
     """A cluster at a place that another UAV has taken counts as this many lidar ranges farther."""
-    reach: float = 1.0
+    reach: float = bounded(1.0, least=0)
     """Distance up to which a taken cluster adds to the cost of others, in lidar ranges."""
-
-    def __post_init__(self) -> None:
-        at_least(self, 0.0, "cost", "switch_cost", "weight", "reach")
-        if self.form not in get_args(Form):
-            raise InputError(f"expected form to be one of {', '.join(get_args(Form))}, got {self.form!r}")
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""
@@ -63,11 +57,11 @@ class UtilityPilot(SequentialPilot):
         super().__init__(briefing, policy.switch_cost, policy.weight, policy.reach)
         self._policy = policy
 
-    def gains(self, view: View, choices: Choices) -> NDArray[np.float64]:
+    def gains(self, view: View, choices: ClusterChoices) -> NDArray[np.float64]:
         """Return each cluster's size, or the unknown cells in view of its cell nearest to any UAV, (K,)."""
         if self._policy.form == "size":
             return np.diff(choices.clusters.ends)[choices.numbers].astype(np.float64)
-        places, no_claims = choices.places(), np.empty((0, 2))
+        places, no_claims = choices.viewpoints(), np.empty((0, 2))
         return unclaimed_gains(view.belief, places, no_claims, self.briefing.lidar_range).astype(np.float64)
 
     def score(self, gains: NDArray[np.float64], costs: NDArray[np.float64]) -> NDArray[np.float64]:

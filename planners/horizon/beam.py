@@ -22,8 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from indoor_explorers.env.grid.compiled import inner, kernel
-from indoor_explorers.env.search.bitsets import bit_count, holds, intersect, is_subset
-from indoor_explorers.planners.toolbox.hash_table import is_new
+from indoor_explorers.env.search.bitsets import bit_count, holds, intersect, is_new, is_subset
 
 _ONE = np.uint64(1)
 

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.cells import Action
 from indoor_explorers.env.maps.generators.thesis import ThesisMaps
 from indoor_explorers.env.policies.policy import Pilot, Policy
@@ -23,16 +22,19 @@ from indoor_explorers.planners.toolbox.navigation.deadlock import DeadlockResolv
 from indoor_explorers.planners.toolbox.navigation.navigator import action_between
 from indoor_explorers.planners.toolbox.navigation.paths import Paths, map_stamp
 from indoor_explorers.planners.toolbox.navigation.teammates import remembered
-from indoor_explorers.planners.toolbox.parameters import at_least
+from indoor_explorers.planners.toolbox.parameters import Parameters, bounded, one_of
 
 #: If the goal leaves cells out, isolation matters less: its weight halves with each such share of the coverage.
 GOAL_SCALE = 0.05
 #: A tour without a gain for its length plus this many steps is given up until the map grows.
 PATIENCE = 8
 
+#: Where the probability of obstacles comes from.
+PriorSource = Literal["source", "belief", "none"]
+
 
 @dataclass(frozen=True, kw_only=True)
-class Horizon(Policy):
+class Horizon(Parameters, Policy):
     """Plan a tour of all unseen cells by beam search and keep it while it is valid; on large maps, fly to frontiers.
 
     In rooms of up to ``room`` cells the search is over (cell, unseen set) and assumes that unknown cells are free and
@@ -49,52 +51,35 @@ class Horizon(Policy):
     uses_generator: ClassVar[bool] = True
     plans_for: ClassVar[str] = "the scenario's goal in rooms, all cells elsewhere"
 
-    width: int = 100
+    width: int = bounded(100, least=1)
     """Beam width: states kept at each step."""
-    depth: int = 80
+    depth: int = bounded(80, least=1)
     """Search depth in steps."""
-    isolation: float = 8.0
+    isolation: float = bounded(8.0, least=0)
     """Additional weight of an unseen cell without unseen neighbours, in cells, if the goal is full coverage."""
-    caution: float = 2.6
+    caution: float = bounded(2.6, least=0)
     """Factor on ``isolation`` if there may be obstacles: plans fail more often, and pockets left behind cost more."""
-    pull: float = 0.02
+    pull: float = bounded(0.02, least=0)
     """Cost of a step to the next gain, in cells."""
-    stretch: float = 0.0
+    stretch: float = bounded(0.0, least=0)
     """Cost of a step to the unseen cell that takes longest, in cells."""
-    spare: float = 0.0095
+    spare: float = bounded(0.0095, least=0)
     """Share of the cells that is deferred to the end, so that all others are seen sooner."""
-    prior: Literal["source", "belief", "none"] = "source"
+    prior: PriorSource = one_of("source", get_args(PriorSource))
     """Source of the probability of obstacles; "none" assumes that all unknown cells are free."""
-    chains: int = 64
+    chains: int = bounded(64, least=1)
     """Number of rooms that are sampled in parallel with ``prior`` "source"."""
-    sweeps: int = 3
+    sweeps: int = bounded(3, least=1)
     """Gibbs sweeps over each sampled room at each step with new knowledge."""
-    rollouts: int = 0
+    rollouts: int = bounded(0, least=0)
     """Number of sampled rooms in which tours with other first steps are compared before one is chosen, with ``prior``
     "source" and one UAV; with 24 a decision takes about four times as long; 0 disables rollouts."""
-    deference: float = 0.1
+    deference: float = bounded(0.1, least=0)
     """Factor on the weight of a cell for each teammate that is closer to it."""
-    room: int = 600
+    room: int = bounded(600, least=0)
     """Largest number of cells of a map that is planned cell by cell."""
     beyond: FrontierJoint = field(default_factory=FrontierJoint)
     """Planner for larger maps, and for steps without a tour."""
-
-    def __post_init__(self) -> None:
-        at_least(self, 1, "width", "depth", "chains", "sweeps")
-        at_least(
-            self,
-            0.0,
-            "rollouts",
-            "isolation",
-            "caution",
-            "pull",
-            "stretch",
-            "spare",
-            "deference",
-            "room",
-        )
-        if self.prior not in ("source", "belief", "none"):
-            raise InputError(f"Horizon: expected prior to be source, belief or none, got {self.prior!r}")
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""

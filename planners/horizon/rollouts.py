@@ -18,7 +18,7 @@ from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN, UNREACHABLE
 from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.env.search.bfs import distances_from
-from indoor_explorers.env.search.bitsets import bit_count
+from indoor_explorers.env.search.bitsets import lowest
 from indoor_explorers.env.sensing.lidar import LidarModel, Scan, new_scan, visible_cells
 
 #: Most steps of a tour that are flown before the fast policy takes over.
@@ -110,9 +110,8 @@ def _gain(weights: np.ndarray, view: np.ndarray) -> float:
     for w in range(view.shape[0]):
         word = view[w]
         while word != 0:
-            lowest = word & (~word + _ONE)
-            word ^= lowest
-            gain += weights[w * 64 + int(np.int64(bit_count(lowest - _ONE)))]
+            gain += weights[w * 64 + lowest(word)]
+            word &= word - _ONE
     return gain
 
 

@@ -1,11 +1,11 @@
-"""Completions of a map: what could be unknown, drawn from the estimates of what is behind each frontier cluster.
+"""Completions of a map: possible contents of the unknown cells, drawn from the estimates behind frontier clusters.
 
-The estimates (:mod:`indoor_explorers.planners.toolbox.pockets`) tell how likely more than t unknown free cells are
+The estimates (:mod:`indoor_explorers.planners.toolbox.pockets`) are probabilities of more than t unknown free cells
 behind a cluster, for several t. A completion draws one quantile, takes the size at this quantile behind each cluster,
 and lets pockets of these sizes grow from the clusters through unknown cells, breadth-first, all at once. Unknown cells
 that no pocket reaches are occupied. So the unknown is open in one completion and cluttered in another; with sizes drawn
 one by one, pockets of different depths would border each other everywhere, with walls that hardly any map has.
-The sizes are those of the learned prior; the shapes are not: rooms and corridors are round pockets here.
+The sizes follow the learned prior; the shapes do not: rooms and corridors are round pockets here.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters
 from indoor_explorers.planners.toolbox.pockets.estimates import BEYOND
 from indoor_explorers.planners.toolbox.pockets.network import THRESHOLDS
 
-#: log(1 + size) of the largest pocket that is drawn and of those at which tail probabilities are known, falling.
+#: log(1 + size) of the largest pocket that is drawn and of the thresholds of the tail probabilities, falling.
 _LOGS = np.log1p([THRESHOLDS[-1] + BEYOND, *THRESHOLDS[::-1]])
 
 

@@ -8,7 +8,6 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Belief, Cell, Distances
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.renamed import renamed
@@ -16,7 +15,6 @@ from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.sensing.lidar import lidar_model
 from indoor_explorers.planners.pomdp.completions import completions, pocket_sizes, strata
 from indoor_explorers.planners.pomdp.tree import Problem, isolation_weights, search
-from indoor_explorers.planners.toolbox.coordination.goal_claims import goals_near
 from indoor_explorers.planners.toolbox.coordination.independent_pilot import IndependentPilot
 from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters, frontier_clusters, nearest_cells
 from indoor_explorers.planners.toolbox.information.view_gain import WeightedGains
@@ -24,7 +22,7 @@ from indoor_explorers.planners.toolbox.parameters import (
     DiscountParameters,
     GoalBonusParameters,
     ReplanParameters,
-    at_least,
+    bounded,
 )
 from indoor_explorers.planners.toolbox.pockets.estimates import PocketEstimator
 from indoor_explorers.planners.toolbox.pockets.outlook import EstimateUser
@@ -57,12 +55,12 @@ class Pomdp(EstimateUser, DiscountParameters, GoalBonusParameters, ReplanParamet
     are worth less, as are those left to teammates out of contact (:class:`OutOfContact`).
 
     Differences: new completions are drawn for every plan from the present belief, where POMCP filters particles by the
-    observations; an observation is the class of size of what a macro action has shown, since scans of completions never
-    repeat; and the returns of all first actions are averaged over the same completions.
+    observations; an observation is the class of size of a macro action's newly known area, since scans of completions
+    never repeat; and the returns of all first actions are averaged over the same completions.
 
-    Weaknesses: rollouts to nearest frontiers hide what a first action is worth. Even with the true map as the only
-    completion it was only about as fast as ``frontier`` in rooms; with those of the estimates it is slower to 99 %, and
-    a plan takes several times as long.
+    Weaknesses: rollouts to nearest frontiers blur the differences between first actions. Even with the true map as the
+    only completion it was only about as fast as ``frontier`` in rooms; with estimated completions it is slower to 99 %,
+    and a plan takes several times as long.
 
     D. Silver, J. Veness, "Monte-Carlo planning in large POMDPs", NeurIPS 2010. Exploration as a POMDP by forward
     simulation: M. Lauri, R. Ritala, "Planning for robotic exploration based on forward simulation", Robotics and
@@ -71,34 +69,27 @@ class Pomdp(EstimateUser, DiscountParameters, GoalBonusParameters, ReplanParamet
 
     plans_for: ClassVar[str] = ALL_CELLS
 
-    simulations: int = 48
+    simulations: int = bounded(48, least=1)
     """Simulations of a decision."""
-    maps: int = 8
+    maps: int = bounded(8, least=1)
     """Completions of the map that are drawn for a decision."""
     scale: float = 3.0
     """Factor on the sizes of pockets: in small ones a simulated flight gets stuck at once, whatever it tries."""
-    actions: int = 8
+    actions: int = bounded(8, least=1)
     """Most clusters to choose among: those with the largest sqrt(view gain) e^(-discount_rate d / R)."""
-    tree: int = 2
+    tree: int = bounded(2, least=1)
     """Most macro actions in the tree, before nearest frontiers."""
-    horizon: float = 6.0
+    horizon: float = bounded(6.0, least=1)
     """Simulated steps, in lidar ranges."""
     discount_rate: float = 1.2
-    """Discount rate of what becomes known, per lidar range of flight."""
-    exploration: float = 1.0
+    """Discount rate of newly known cells, per lidar range of flight."""
+    exploration: float = bounded(1.0, least=0)
     """Factor of the confidence bounds, in units of the range of returns."""
-    isolation: float = 16.0
+    isolation: float = bounded(16.0, least=0)
     """Additional weight of an unknown cell that is surrounded by known ones."""
-    dimming: float = 0.8
+    dimming: float = bounded(0.8, least=0, most=1)
     """Share of its value that a pocket loses for each linked teammate that flies near it, 0 to 1."""
     period: float = 0.3
-
-    def __post_init__(self) -> None:
-        """Refuse searches without simulations."""
-        at_least(self, 1, "simulations", "maps", "actions", "tree", "horizon")
-        at_least(self, 0.0, "discount_rate", "exploration", "isolation", "dimming", "goal_bonus", "period")
-        if self.dimming > 1:
-            raise InputError(f"Pomdp: expected dimming of at most 1, got {self.dimming!r}")
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""
@@ -159,8 +150,7 @@ class PomdpPilot(IndependentPilot):
 
     def _factors(self, view: View, cells: NDArray[np.int32], steps: Distances) -> Numbers:
         """Return the factors on the value of (K,) clusters for teammates, (K,)."""
-        near = goals_near(view, self.points(cells), self._lidar)
-        return np.asarray(self.left_by_others(view, cells, steps) * (1.0 - self._policy.dimming) ** near)
+        return self.left_by_others(view, cells, steps) * self.not_dimmed(view, cells, self._policy.dimming)
 
     def _bonus(self, cells: NDArray[np.int32]) -> Numbers:
         """Return ``1 + goal_bonus`` for (K,) flat cells near the current goal, else 1, (K,)."""
@@ -182,7 +172,7 @@ class Window:
         return np.asarray((rows - self._top) * self.belief.shape[1] + cols - self._left, np.int32)
 
     def clusters(self, clusters: Clusters) -> Clusters:
-        """Return the clusters with those of their cells that are in this part; some may have none."""
+        """Return the clusters with their cells in this part alone; some may have none."""
         rows, cols = np.divmod(clusters.cells, self._width)
         height, width = self.belief.shape
         inside = (rows >= self._top) & (rows < self._top + height) & (cols >= self._left) & (cols < self._left + width)

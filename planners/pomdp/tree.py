@@ -2,9 +2,9 @@
 
 Each simulation draws a completion of the map and flies in it with the UAV's own belief: through the tree by upper
 confidence bounds, then to nearest frontiers. A macro action flies to one of the frontier clusters of the real belief,
-until this is no frontier any more, or to the nearest frontier cell of the simulated one. Its observation is how much it
-has shown, in a few classes of size; the whole scan would be another observation in each completion, and no node of the
-tree would be seen twice. A return is the sum of the weights of the free cells that become known, discounted by the
+until this is no frontier any more, or to the nearest frontier cell of the simulated one. Its observation is the class
+of the number of cells that it has revealed; whole scans would differ in every completion, and no node of the tree would
+be visited twice. A return is the sum of the weights of the free cells that become known, discounted by the
 steps until then.
 """
 
@@ -163,7 +163,7 @@ def _by_bound(problem: Problem, belief: np.ndarray, tree: Tree, node: int, scale
 def _simulate(
     problem: Problem, flight: Flight, lidar: LidarModel, tree: Tree, nodes: int, scale: float, trace: np.ndarray
 ) -> tuple[int, float]:
-    """Fly one simulation, and add its returns to the tree of so many ``nodes``; return (nodes, return).
+    """Fly one simulation, and add its returns to the tree, which has ``nodes`` nodes; return (nodes, return).
 
     ``trace`` (D, 2) is scratch for the nodes and actions. The completion is the next one for the first action, so that
     all actions are judged by the same ones.

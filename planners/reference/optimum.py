@@ -18,7 +18,7 @@ from indoor_explorers.env.sensing.lidar import lidar_model
 from indoor_explorers.planners.reference.plan import PlanRequest, SearchBudget, Track, plan, swap_resolved
 from indoor_explorers.planners.reference.tour import Reference, ReferencePilot
 from indoor_explorers.planners.reference.watchman import EASY, Watch, fewest_steps, steps_to
-from indoor_explorers.planners.toolbox.parameters import at_least
+from indoor_explorers.planners.toolbox.parameters import Parameters, bounded
 
 #: Largest team and most reachable cells for which routes are searched for.
 MOST_UAVS, MOST_CELLS = 2, 400
@@ -43,7 +43,7 @@ class Routes(NamedTuple):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Optimum(Policy):
+class Optimum(Parameters, Policy):
     """Fly routes to 99 % coverage in the fewest steps there are, and on to the goal.
 
     An exact search with the true map (:mod:`indoor_explorers.planners.reference.watchman`), for one and two UAVs in
@@ -51,7 +51,7 @@ class Optimum(Policy):
     Where it does not end within its effort, on larger maps and for larger teams, the routes of `reference` are flown.
     Statistics say for every episode whether the optimum is proved (``proved``, 1 or 0) and, where there was a search,
     the certified ``lower_bound`` on the steps to the aim and the effort, ``expansions``. UAVs may share a cell in the
-    search, so two that meet may fly longer than what is proved.
+    search, so two that meet may need more steps than the proved number.
 
     The effort counts expanded states, not seconds, so that every machine finds the same routes: some 0.2 s in a room of
     the thesis for one UAV, one to ten seconds for two.
@@ -60,15 +60,10 @@ class Optimum(Policy):
     privileged: ClassVar[bool] = True
     plans_for: ClassVar[str] = Reference.plans_for
 
-    aim: float = 0.99
+    aim: float = bounded(0.99, least=1e-6, most=1)
     """Coverage that is reached in the fewest steps; the scenario's goal if that is lower."""
-    expansions: int = 20_000_000
+    expansions: int = bounded(20_000_000, least=0)
     """Most states that the search expands; 0 for none."""
-
-    def __post_init__(self) -> None:
-        """Refuse numbers that make no sense."""
-        at_least(self, 0, "expansions")
-        Reference(aim=self.aim)
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""
@@ -88,7 +83,7 @@ class OptimumPilot(ReferencePilot):
         return self._routes.tracks[self.briefing.agent]
 
     def tally(self) -> dict[str, float]:
-        """Tell what is known about the routes."""
+        """Return whether the routes are proved optimal, the lower bound and the effort."""
         routes = self._routes
         if routes is None or routes.steps is None:
             return super().tally() | {"proved": 0.0}

@@ -1,6 +1,6 @@
 """The plan of a team that knows the map: the cells that each UAV flies through.
 
-It has two aims: a coverage, 99 % unless told otherwise, and then the goal. A step after the first aim costs a tenth of
+It has two aims: a coverage, 99 % by default, and then the goal. A step after the first aim costs a tenth of
 one before it. Measured on dungeons, rooms, offices, caves and mazes, 99 % is at most 1 % later than without the second
 aim, and the goal is reached a quarter to a third earlier.
 """
@@ -30,7 +30,7 @@ from indoor_explorers.env.sensing.lidar import lidar_model
 from indoor_explorers.planners.reference.annealing import anneal
 from indoor_explorers.planners.reference.routes import Aims, DistanceTable, TeamState, tracks
 
-#: Cost of a step after that, relative to a step before it.
+#: Cost of a step after the first aim, relative to a step before it.
 SHARE = 0.1
 #: Largest size of the distance table in entries: on maps of more than 5,000 cells viewpoints are thinned out.
 TABLE = 25_000_000
@@ -61,7 +61,7 @@ class PlanRequest(NamedTuple):
     """Which cells need not be seen, (H, W) bool; empty for none. If any are given, a coverage says which share of the
     reachable cells may be missing of the others."""
     others: Track = ()
-    """Cells that other UAVs will be in: what they show there is not planned for."""
+    """Cells that other UAVs will be in; cells in view of them are not planned for."""
 
 
 class SearchBudget(NamedTuple):

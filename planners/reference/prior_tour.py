@@ -1,4 +1,4 @@
-"""A tour planned on the prior map, corrected by what has been seen; frontiers where the prior knows nothing more."""
+"""A tour planned on the prior map, corrected by the known cells; frontiers where the prior is complete or wrong."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from typing import ClassVar
 
 import numpy as np
 
-from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Belief, Cell, Mask
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN, UNREACHABLE, Action
 from indoor_explorers.env.maps.walls import THICKEST
@@ -18,7 +17,7 @@ from indoor_explorers.planners.frontier.joint import FrontierJoint
 from indoor_explorers.planners.reference.plan import PlanRequest, SearchBudget, Track, plan
 from indoor_explorers.planners.reference.route_pilot import LOOK_AHEAD, STALLED, RoutePilot
 from indoor_explorers.planners.toolbox.navigation.teammates import linked, message_of
-from indoor_explorers.planners.toolbox.parameters import at_least
+from indoor_explorers.planners.toolbox.parameters import Parameters, bounded
 
 #: Steps of silence after which a teammate that is heard again is planned with anew.
 SILENCE = 5
@@ -29,27 +28,27 @@ DETOUR = 2
 
 
 class Stage(IntEnum):
-    """What routes are planned to show."""
+    """The cells that routes are planned to reveal."""
 
     CELLS = 0
-    """The cells that can be reached, and the walls around free cells that cannot, but what the routes of teammates out
-    of contact show."""
+    """The cells that can be reached, and the walls around free cells that cannot; without cells in view of the routes
+    of teammates out of contact."""
     WALLS = 1
-    """The other walls too."""
+    """In addition, the other walls."""
     ALL = 2
-    """All, whatever teammates out of contact may see."""
+    """All cells, whatever teammates out of contact may see."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class PriorTour(Policy):
+class PriorTour(Parameters, Policy):
     """Fly routes like those of ``reference``, planned on the prior map as far as it has proved right.
 
     The map planned on is the prior, with every cell that has been seen as it was seen. Linked UAVs work out the same
     routes by themselves, from the map and the cells that they share: when they meet, and when the map planned on has
-    proved wrong, at once where it blocks one of their routes, else some steps after the last plan. What the routes of
-    teammates out of contact would show is left to them at first. A UAV whose route is complete goes on with routes that
+    proved wrong, at once where it blocks one of their routes, else some steps after the last plan. Cells in view of the
+    routes of teammates out of contact are left to them at first. A UAV whose route is complete goes on with routes that
     show the walls, behind which there may be more than the prior says, and then all that the teammates should have
-    seen. `frontier` explores what is left, where a route is blocked, and while too much of what was seen contradicts
+    seen. `frontier` explores what is left, where a route is blocked, and while too many known cells contradict
     the prior; so every reachable cell becomes known, whatever the prior says. Without a prior this is `frontier`.
 
     A tour over what is known of the layout, and frontiers where that ends, are those of S. Oßwald, M. Bennewitz,
@@ -59,27 +58,18 @@ class PriorTour(Policy):
 
     plans_for: ClassVar[str] = "its aim, 99 % of a prior map by default, then all cells"
 
-    aim: float = 0.99
+    aim: float = bounded(0.99, least=1e-6, most=1)
     """Coverage of the map planned on that the routes reach as soon as possible, before all of it."""
-    restarts: int = 2
+    restarts: int = bounded(2, least=1)
     """Searches of the first plan, of which the best counts; later plans make one."""
-    changes: int = 40_000
+    changes: int = bounded(40_000, least=1)
     """Changes of the routes that each search tries; a quarter of it in later plans."""
-    work: int = 100_000_000
+    work: int = bounded(100_000_000, least=1)
     """The same in words joined, 64 cells at most each: bounds the time on large maps."""
-    period: float = 1.0
-    """Steps from a plan to the next, in lidar ranges, if what was seen contradicts it and no route is blocked."""
-    distrust: float = 0.25
+    period: float = bounded(1.0, least=0)
+    """Steps from a plan to the next, in lidar ranges, if known cells contradict it and no route is blocked."""
+    distrust: float = bounded(0.25, least=0)
     """Share of the known cells that contradict the prior above which only frontiers are flown to."""
-
-    def __post_init__(self) -> None:
-        """Refuse numbers that make no sense."""
-        at_least(self, 1, "restarts", "changes", "work")
-        at_least(self, 0.0, "aim", "period", "distrust")
-        if not 0.0 < self.aim <= 1.0:
-            raise InputError(
-                f"PriorTour: expected aim above 0 and up to 1, as a share of the coverage, got {self.aim!r}"
-            )
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""
@@ -116,7 +106,7 @@ class PriorTourPilot(RoutePilot):
         """Plan again where that is due, and follow the route or explore."""
         self.navigator.observe(view)
         if self.navigator.map_grew:
-            self._take_in(view)
+            self._correct_map(view)
         self._plan_if_due(view)
         action = None if self._stagnates(view) else self._fly_on(view)
         if action is None:
@@ -128,8 +118,8 @@ class PriorTourPilot(RoutePilot):
         self.message = (*(goal or (-1.0, -1.0))[:2], float(self._next_stage))
         return action
 
-    def _take_in(self, view: View) -> None:
-        """Correct the map by what is known."""
+    def _correct_map(self, view: View) -> None:
+        """Correct the map by the known cells."""
         self._grew_at = view.step
         self.cells = np.where(view.belief == UNKNOWN, self._prior, view.belief)
         self._surprised = self._planned is not None and bool((self.cells != self._planned).any())
@@ -198,12 +188,12 @@ class PriorTourPilot(RoutePilot):
         self.begin_route(self._routes[self.briefing.agent], view.step)
 
     def _request(self, starts: tuple[Cell, ...], stage: Stage, known: Mask, others: Track) -> PlanRequest:
-        told, scenario = self.briefing, self.briefing.scenario
+        briefing, scenario = self.briefing, self.briefing.scenario
         return PlanRequest(
             truth=self.cells.tobytes(),
-            shape=told.shape,
+            shape=briefing.shape,
             starts=starts,
-            lidar=(float(told.lidar_range), scenario.lidar.model),
+            lidar=(float(briefing.lidar_range), scenario.lidar.model),
             count_all_cells=True,
             aim=self._policy.aim,
             goal=1.0,
@@ -231,5 +221,5 @@ class PriorTourPilot(RoutePilot):
 
 
 def _stage_of(mate: Mate) -> Stage:
-    """Return the stage that a teammate has told."""
+    """Return the stage in a teammate's message."""
     return Stage(int(mate.message[2])) if mate.message is not None and len(mate.message) > 2 else Stage.CELLS

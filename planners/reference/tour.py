@@ -10,19 +10,19 @@ from indoor_explorers.env.policies.policy import Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.reference.plan import PlanRequest, SearchBudget, Track, plan
 from indoor_explorers.planners.reference.route_pilot import RoutePilot
-from indoor_explorers.planners.toolbox.parameters import at_least
+from indoor_explorers.planners.toolbox.parameters import Parameters, bounded
 
 
 @dataclass(frozen=True, kw_only=True)
-class Reference(Policy):
+class Reference(Parameters, Policy):
     """Fly the shortest routes to 99 % coverage that a bounded search with the true map finds, and on to the goal.
 
     A good tour found with the map known, for comparison with policies that do not know it. It is no bound: better
     routes may exist, and policies may reach coverage below its ``aim`` sooner, since it does not plan for that. Routes
     are lists of viewpoints, changed at random by simulated annealing; every change is judged by flying it on the true
-    map, sensing all along the way, the whole team at once. What is made small is the time to ``aim``, plus a tenth of
-    the steps from there to the goal. All UAVs work out the same plan by themselves from the map and all starts; nothing
-    is said by radio.
+    map, sensing all along the way, the whole team at once. The search minimises the time to ``aim``, plus a
+    tenth of the steps from there to the goal. Each UAV computes the same plan from the map and all starts; no messages
+    are sent.
 
     The search is made once an episode, at its first step. Its budget counts changes and words, not seconds, so that
     every machine finds the same routes: some 0.1 s in 16x16 rooms, and one second on floors of 1,600 to 6,000 cells.
@@ -31,24 +31,15 @@ class Reference(Policy):
     privileged: ClassVar[bool] = True
     plans_for: ClassVar[str] = "its aim, 99 % by default, then the scenario's goal"
 
-    aim: float = 0.99
+    aim: float = bounded(0.99, least=1e-6, most=1)
     """Coverage that the routes reach as soon as possible: the threshold that policies are compared by; the scenario's
     goal if that is lower."""
-    restarts: int = 2
+    restarts: int = bounded(2, least=1)
     """Searches, of which the best counts."""
-    changes: int = 40_000
+    changes: int = bounded(40_000, least=1)
     """Changes of the routes that each search tries."""
-    work: int = 100_000_000
+    work: int = bounded(100_000_000, least=1)
     """The same in words joined, 64 cells at most each: bounds the time on large maps."""
-
-    def __post_init__(self) -> None:
-        """Refuse numbers that are too small."""
-        at_least(self, 1, "restarts", "changes", "work")
-        at_least(self, 0.0, "aim")
-        if not 0.0 < self.aim <= 1.0:
-            raise InputError(
-                f"Reference: expected aim above 0 and up to 1, as a share of the coverage, got {self.aim!r}"
-            )
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""
@@ -80,10 +71,11 @@ class ReferencePilot(RoutePilot):
 
     @property
     def request(self) -> PlanRequest:
-        """What the team's routes are planned for."""
-        told, scenario = self.briefing, self.briefing.scenario
-        lidar, all_cells = (float(told.lidar_range), scenario.lidar.model), scenario.denominator == "map"
-        return PlanRequest(self.cells.tobytes(), told.shape, self._starts, lidar, all_cells, self._aim, scenario.goal)
+        """The request for the plan of the team's routes."""
+        briefing, scenario = self.briefing, self.briefing.scenario
+        lidar, all_cells = (float(briefing.lidar_range), scenario.lidar.model), scenario.denominator == "map"
+        truth = self.cells.tobytes()
+        return PlanRequest(truth, briefing.shape, self._starts, lidar, all_cells, self._aim, scenario.goal)
 
     def _planned(self) -> Track:
         return plan(self.request, self._budget)[self.briefing.agent]

@@ -9,8 +9,8 @@ linear program instead: the prices of cells for which no walk earns more than it
 depth-first search that leaves a state as soon as too little can be earned
 (:mod:`indoor_explorers.planners.reference.watchman_search`).
 
-UAVs may share a cell here and pass through each other, which can only be quicker: what is proved is a lower bound for
-every team, and what is flown may take longer where two UAVs meet.
+UAVs may share a cell here and pass through each other, which can only be quicker: the proved number is a lower bound
+for every team, and flights may take longer where two UAVs meet.
 """
 
 from __future__ import annotations
@@ -53,16 +53,16 @@ class Watch(NamedTuple):
     """A task: see enough cells."""
 
     table: VisibilityTable
-    """What the map's cells show; the first ``team`` cells are the starts."""
+    """The views from the map's cells; the first ``team`` cells are the starts."""
     team: int
     known: NDArray[np.uint64]
-    """(T,) cells seen before, without those in view from the starts."""
+    """(T,) cells seen before, without the views from the starts."""
     needed: int
-    """How many cells must be seen in the end, those seen before included."""
+    """Number of cells that must be seen in the end, including those seen before."""
 
 
 class Solution(NamedTuple):
-    """What is known about the fewest steps."""
+    """Bounds on the fewest steps, and walks."""
 
     lower: int
     """No team can do it in fewer."""
@@ -103,7 +103,7 @@ def fewest_steps(watch: Watch, below: int, most: int) -> Solution:
 def _walks(
     stage: _Stage, watch: Watch, visited: Visited, steps: int, most: int
 ) -> tuple[int, tuple[tuple[int, ...], ...] | None, int]:
-    """Search for walks of so many steps; return the outcome, the walks if any, and the number of expanded states.
+    """Search for walks of a number of steps; return the outcome, the walks if any, and the number of expanded states.
 
     The last UAVs may have one step less.
     """
@@ -123,12 +123,12 @@ def _stage(watch: Watch, memory: int, steps: int) -> _Stage:
     countable = count_cells(known | watch.table.union)
     prices, _ = cell_prices(graph, watch.team, countable - watch.needed, ROUNDS)
     whole, count = np.floor(prices * PARTS).astype(np.int64), len(prices)
-    dearest = np.argsort(-whole, kind="stable")
+    order = np.argsort(-whole, kind="stable")
     words = max(1, math.ceil(count / 64))
     price = np.zeros(64 * words, np.int64)
-    price[:count] = whole[dearest]
+    price[:count] = whole[order]
     earned = most_earned(graph, whole, steps)
-    views = _views(watch.table, graph.unseen[dearest], words)
+    views = _views(watch.table, graph.unseen[order], words)
     return _Stage(graph, Prices(price, views, earned, count, countable - watch.needed))
 
 

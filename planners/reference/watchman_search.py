@@ -1,7 +1,7 @@
 """Depth-first search for walks that show enough cells within a number of steps, or the proof that there are none.
 
-The UAVs move in turn, each once a step. A state is left as soon as the prices of the unseen cells, but for the dearest
-that may be missed, add up to more than the UAVs can earn in their remaining steps; see
+The UAVs move in turn, each once a step. A state is left as soon as the prices of the unseen cells, except the most
+valuable ones that may be missed, add up to more than the UAVs can earn in their remaining steps; see
 :mod:`indoor_explorers.env.search.cell_prices`. Prices are integers, so that no rounding enters the proof.
 """
 
@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.compiled import kernel, leaf
-from indoor_explorers.env.search.bitsets import bit_count
+from indoor_explorers.env.search.bitsets import lowest
 from indoor_explorers.env.search.walk_graph import WalkGraph
 
 #: Outcomes of a search.
@@ -22,14 +22,14 @@ _ONE = np.uint64(1)
 
 
 class Prices(NamedTuple):
-    """K cells that must be seen, dearest first, and what UAVs can earn by seeing them."""
+    """K cells that must be seen, the highest price first, and what UAVs can earn by seeing them."""
 
     price: NDArray[np.int64]
     """(64 W,) their prices, 0 where there is no cell; W words hold a set of them."""
     views: NDArray[np.uint64]
     """(M, W) the cells in view from each cell of the map."""
     earned: NDArray[np.int64]
-    """(T + 1, S) the most that a UAV in each state can earn in so many steps, forgotten cells counted again."""
+    """(T + 1, S) the most that a UAV in each state can earn in 0 to T steps, forgotten cells counted again."""
     cells: int
     """K."""
     missable: int
@@ -102,12 +102,6 @@ def most_earned(graph: WalkGraph, price: np.ndarray, steps: int) -> np.ndarray:
 
 
 @leaf(entry=False)
-def _lowest(word: np.uint64) -> int:
-    """Return the place of the lowest one in a word that has one."""
-    return int(np.int64(bit_count((word & (~word + _ONE)) - _ONE)))
-
-
-@leaf(entry=False)
 def _look(prices: Prices, cell: int, seen: np.ndarray, after: np.ndarray) -> tuple[int, int]:
     """Write ``seen`` (W,) with the view from a cell to ``after`` (W,); return the number and worth of the new cells."""
     count, worth = 0, np.int64(0)
@@ -115,20 +109,20 @@ def _look(prices: Prices, cell: int, seen: np.ndarray, after: np.ndarray) -> tup
         new = prices.views[cell, w] & ~seen[w]
         after[w] = seen[w] | new
         while new != 0:
-            worth += prices.price[64 * w + _lowest(new)]
+            worth += prices.price[64 * w + lowest(new)]
             count += 1
             new &= new - _ONE
     return count, int(worth)
 
 
 @leaf(entry=False)
-def _dearest_unseen(prices: Prices, seen: np.ndarray) -> int:
-    """Return the worth of the dearest unseen cells that may be missed."""
+def _most_valuable_unseen(prices: Prices, seen: np.ndarray) -> int:
+    """Return the worth of the most valuable unseen cells that may be missed."""
     worth, left = np.int64(0), prices.missable
     for w in range(seen.shape[0]):
         missing = ~seen[w]
         while missing != 0 and left > 0:
-            worth += prices.price[64 * w + _lowest(missing)]
+            worth += prices.price[64 * w + lowest(missing)]
             missing &= missing - _ONE
             left -= 1
     return int(worth)
@@ -168,7 +162,7 @@ def _is_new(visited: Visited, seen: np.ndarray, place: np.ndarray, turn: int, mo
 
 @leaf(entry=False)
 def _insert(tree: Branches, depth: int, state: int, slack: int) -> None:
-    """Insert a state into the choices, which are in order of what they have to spare."""
+    """Insert a state into the choices, which are in order of their slack."""
     choice, spare, k = tree.choice[depth], tree.spare[depth], tree.left[depth]
     while k > 0 and spare[k - 1] > slack:
         choice[k], spare[k] = choice[k - 1], spare[k - 1]
@@ -179,7 +173,7 @@ def _insert(tree: Branches, depth: int, state: int, slack: int) -> None:
 
 @leaf(entry=False)
 def _branch(graph: WalkGraph, prices: Prices, tree: Branches, depth: int, moves: int) -> None:
-    """List the moves of the next UAV after which enough can still be earned in what is left of ``moves``."""
+    """List the moves of the next UAV after which enough can still be earned in the rest of ``moves``."""
     place, team = tree.place[depth], tree.place.shape[1]
     turn, steps = depth % team, moves // team - depth // team
     others = np.int64(0)
@@ -190,7 +184,7 @@ def _branch(graph: WalkGraph, prices: Prices, tree: Branches, depth: int, moves:
     for step in range(graph.first[place[turn]], graph.first[place[turn] + 1]):
         state, after = graph.target[step], tree.seen[depth + 1]
         _, worth = _look(prices, graph.cells[state, 0], tree.seen[depth], after)
-        missing = tree.worth[depth] - worth - _dearest_unseen(prices, after)
+        missing = tree.worth[depth] - worth - _most_valuable_unseen(prices, after)
         slack = prices.earned[steps - 1, state] + others - missing
         if slack >= 0:
             _insert(tree, depth, state, slack)

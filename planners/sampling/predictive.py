@@ -1,4 +1,4 @@
-"""RRT frontier detection with estimates of what is behind the frontier."""
+"""RRT frontier detection with estimates of the unknown area behind the frontier."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.sampling.rrt_frontier import RrtFrontier, RrtFrontierPilot
 from indoor_explorers.planners.sampling.viewpoints import Viewpoints
-from indoor_explorers.planners.toolbox.information.prospects import Prospects
+from indoor_explorers.planners.toolbox.information.candidate_outlook import CandidateOutlook
 from indoor_explorers.planners.toolbox.pockets.outlook import EstimateUser
 
 
 @renamed()
 @dataclass(frozen=True, kw_only=True)
 class RrtPredictive(EstimateUser, RrtFrontier):
-    """Fly as ``rrt-frontier`` does, but weigh candidates by the chance that they lead to something, and let some wait.
+    """Fly as ``rrt-frontier`` does, but weigh candidates by the probability of unknown free cells, and defer some.
 
     A network estimates from the map around each frontier cluster how much unknown free space is behind it
-    (:mod:`indoor_explorers.planners.toolbox.pockets`); a cell that a tree has found leads to what the nearest cluster
-    does (:mod:`indoor_explorers.planners.toolbox.information.prospects`).
+    (:mod:`indoor_explorers.planners.toolbox.pockets`); a cell that a tree has found has the outlook of the nearest
+    cluster (:mod:`indoor_explorers.planners.toolbox.information.candidate_outlook`).
     """
 
     def __post_init__(self) -> None:
@@ -38,14 +38,14 @@ class RrtPredictive(EstimateUser, RrtFrontier):
 
 
 class RrtPredictivePilot(RrtFrontierPilot):
-    """Ask what the candidates lead to."""
+    """Weigh the candidates by their outlook."""
 
     def __init__(self, briefing: Briefing, policy: RrtFrontier) -> None:
         super().__init__(briefing, policy)
-        self._prospects = Prospects(briefing)
+        self._candidate_outlook = CandidateOutlook(briefing)
 
     def judged(self, view: View, cells: NDArray[np.int32]) -> Viewpoints:
-        """Return those of (K,) flat cells that are reachable, not banned, have a gain, and need not wait."""
+        """Return the viewpoints among (K,) flat cells: reachable, not banned or deferred, and with a gain."""
         found = super().judged(view, cells)
-        chances = self._prospects.chances(view, found.cells, self.steps_from(view, view.cell))
-        return found._replace(gains=found.gains * chances).those(chances > 0.0)
+        chances = self._candidate_outlook.chances(view, found.cells, self.steps_from(view, view.cell))
+        return found._replace(gains=found.gains * chances).selected(chances > 0.0)

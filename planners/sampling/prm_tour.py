@@ -10,22 +10,27 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.grid.cells import FREE
+from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.env.policies.policy import Pilot
 from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.search.frontiers import frontier_mask
 from indoor_explorers.planners.sampling.covers import greedy_cover
-from indoor_explorers.planners.sampling.discounted_tours import improved_tour, value_of_tour
 from indoor_explorers.planners.sampling.roadmaps import Roadmap, grow_roadmap
 from indoor_explorers.planners.sampling.samples import known_cells, points_in
 from indoor_explorers.planners.sampling.setting import Points
 from indoor_explorers.planners.sampling.viewpoints import ViewpointPilot, ViewpointPolicy, Viewpoints
 from indoor_explorers.planners.toolbox.information.view_gain import visible_sets
-from indoor_explorers.planners.toolbox.parameters import at_least
+from indoor_explorers.planners.toolbox.parameters import bounded
+from indoor_explorers.planners.toolbox.routing.local_search import Objective, SearchSettings, cost_of, improve
 from indoor_explorers.planners.toolbox.routing.open_tours import nearest_neighbour
 
 #: Number of tours that are improved: those of the highest value in nearest-neighbour order.
 IMPROVED = 3
+#: Largest number of rounds of improvement: practically unlimited.
+TOUR_ROUNDS = 2**31
+#: Relative improvement that a change must exceed.
+LEAST_SHARE = 1e-9
 
 
 @renamed()
@@ -42,25 +47,20 @@ class PrmTour(ViewpointPolicy):
     environments", RSS 2021, doi:10.15607/RSS.2021.XVII.018.
     """
 
-    milestones: int = 200
+    milestones: int = bounded(200, least=1)
     """Milestones of the roadmap, half of them on the frontier if there are enough frontier cells."""
-    restarts: int = 10
+    restarts: int = bounded(10, least=1)
     """Number of covers that are tried for each tour."""
-    choices: int = 3
+    choices: int = bounded(3, least=1)
     """Number of best milestones that a cover draws from in each round."""
-    stops: int = 30
+    stops: int = bounded(30, least=1)
     """Most stops of a tour."""
-    least: float = 0.002
+    least: float = bounded(0.002, least=0)
     """Fewest cells that a stop must add to the view, as a share of the lidar's disc."""
-    keep: float = 1.2
+    keep: float = bounded(1.2, least=0)
     """Factor on the merit of a tour that is similar to the last one."""
     as_published: bool = False
     """Whether to fly the shortest tour, as in the paper, instead of the one with the largest discounted gain."""
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        at_least(self, 1, "milestones", "restarts", "choices", "stops")
-        at_least(self, 0.0, "least", "keep")
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""
@@ -160,3 +160,33 @@ class PrmTourPilot(ViewpointPilot):
             covers.append(greedy_cover(bits, weights, self.rng.integers(policy.choices, size=policy.stops), least))
         covers = [cover for cover in covers if len(cover[0])]
         return covers or [greedy_cover(bits, weights, none, 1)]
+
+
+@kernel()
+def _value(costs: np.ndarray, gains: np.ndarray, order: np.ndarray, rate: float) -> float:
+    return float(-cost_of(order, costs[order[0]], costs, gains, Objective(0.0, rate)))
+
+
+@kernel()
+def _improve(costs: np.ndarray, gains: np.ndarray, order: np.ndarray, rate: float) -> float:
+    settings = SearchSettings(TOUR_ROUNDS, False, 0.0, LEAST_SHARE)
+    return float(-improve(order, costs[order[0]], costs, gains, Objective(0.0, rate), settings))
+
+
+def value_of_tour(
+    costs: NDArray[np.float64], gains: NDArray[np.float64], order: NDArray[np.int64], rate: float
+) -> float:
+    """Return the value of a tour: the sum of the gains, discounted by the times of arrival; for ``rate`` 0, -length.
+
+    ``costs`` (K, K) are the distances between stops, ``gains`` (K,) their gains, 0 at the start, and ``order`` the
+    numbers of the visited stops, the start first.
+    """
+    return float(_value(costs, gains, order, float(rate)))
+
+
+def improved_tour(
+    costs: NDArray[np.float64], gains: NDArray[np.float64], order: NDArray[np.int64], rate: float
+) -> tuple[NDArray[np.int64], float]:
+    """Move single stops of a tour while this increases its value (:func:`value_of_tour`); return order and value."""
+    order = order.copy()
+    return order, float(_improve(costs, gains, order, float(rate)))

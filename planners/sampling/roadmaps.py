@@ -1,6 +1,6 @@
 """Probabilistic roadmaps over known free space, made by OMPL from points that the caller has drawn.
 
-PRM and PRM* take their milestones from the valid-state sampler of the space; a sampler of listed states returns the
+PRM* takes its milestones from the valid-state sampler of the space; a sampler of listed states returns the
 points in order. Only ``growRoadmap`` is called, until it has taken every point: ``solve`` and ``constructRoadmap``
 alternate, by wall time, with random bounces from old milestones, drawn from OMPL's generator, and would not be
 reproducible.
@@ -52,18 +52,17 @@ class _Listed(base.ValidStateSampler):  # type: ignore[misc]  # ompl carries no 
         return point is not None
 
 
-def grow_roadmap(belief: Belief, points: Points, *, optimal: bool = True) -> Roadmap:
+def grow_roadmap(belief: Belief, points: Points) -> Roadmap:
     """Connect (K, 2) distinct ``points`` in known free space of a (H, W) ``belief`` to a roadmap.
 
     Each point is connected to its nearest ones by every segment that stays in known free cells: to as many as make
-    paths asymptotically optimal (PRM*, Karaman & Frazzoli 2011), or to a few (PRM, Kavraki et al. 1996). The result
-    depends only on the arguments.
+    paths asymptotically optimal (PRM*, Karaman & Frazzoli 2011). The result depends only on the arguments.
     """
     with silence_ompl():
         information = plane_of(belief, into_unknown=False)
         information.setValidStateSamplerAllocator(lambda owner: _Listed(owner, iter(points.tolist())))
         information.setup()
-        planner = geometric.PRMstar(information) if optimal else geometric.PRM(information)
+        planner = geometric.PRMstar(information)
         planner.setProblemDefinition(base.ProblemDefinition(information))
         planner.setup()
         planner.growRoadmapPtc(base.PlannerTerminationCondition(lambda: planner.milestoneCount() >= len(points)))

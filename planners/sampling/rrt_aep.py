@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from math import pi
 
@@ -9,19 +10,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Cell, Distances, Mask
-from indoor_explorers.env.grid.cells import FREE
+from indoor_explorers.env.grid.cells import FREE, UNREACHABLE
 from indoor_explorers.env.policies.policy import Pilot
 from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.planners.sampling.memory import ViewpointMemory, tree_cells
 from indoor_explorers.planners.sampling.rrt_nbv import RrtNbvPilot, TreePolicy
-from indoor_explorers.planners.sampling.samples import known_cells, points_in
+from indoor_explorers.planners.sampling.samples import known_cells, points_in, tree_samples
+from indoor_explorers.planners.sampling.segments import entries
 from indoor_explorers.planners.sampling.trees import grow_tree
 from indoor_explorers.planners.sampling.viewpoints import Viewpoints, diverse_subset
 from indoor_explorers.planners.toolbox.coordination.sequence_chooser import SequenceChooser, SequenceParameters
+from indoor_explorers.planners.toolbox.information.view_gain import WeightedGains
 from indoor_explorers.planners.toolbox.navigation.candidate_pilot import CandidatePilot
 from indoor_explorers.planners.toolbox.navigation.teammates import message_of
-from indoor_explorers.planners.toolbox.parameters import GoalBonusParameters, at_least
+from indoor_explorers.planners.toolbox.parameters import GoalBonusParameters, bounded
 
 #: Half the side of the inner square around the UAV, in cells.
 NEAR_HALF = 6.0
@@ -29,6 +31,8 @@ NEAR_HALF = 6.0
 NEAR = 6
 #: Steps after which a UAV chooses again if the map has grown, in lidar ranges.
 PERIOD = 0.1
+#: Most viewpoints that are evaluated at a time: the nearest ones.
+JUDGED = 256
 
 
 @renamed(hold=("goal_bonus", "switch_cost"), global_discount="global_discount_rate")
@@ -41,7 +45,7 @@ class RrtAep(GoalBonusParameters, TreePolicy):
     ``take_turns`` does this. Without it, a tree is grown near the UAV, densest around it, and from time to time one
     over the whole map. The next viewpoint is chosen among all new and stored ones as
     :class:`~indoor_explorers.planners.frontier.joint.FrontierJoint` chooses among frontier clusters: the best short
-    sequence, minus the cost of all that it leaves behind, linked UAVs in turn. ``share`` and ``switch_cost`` only
+    sequence, minus the cost of the viewpoints left behind, linked UAVs in turn. ``share`` and ``switch_cost`` only
     affect ``take_turns``, ``goal_bonus`` only the choice without it.
 
     M. Selin, M. Tiger, D. Duberg, F. Heintz, P. Jensfelt, "Efficient autonomous exploration planning of large-scale
@@ -51,46 +55,71 @@ class RrtAep(GoalBonusParameters, TreePolicy):
     discount_rate: float = 2.4
     samples: int = 100
     """Samples for each tree."""
-    near_samples: int = 100
+    near_samples: int = bounded(100, least=0)
     """Additional samples for the tree near the UAV, drawn from an inner square around it."""
-    local_period: float = 0.1
+    local_period: float = bounded(0.1, least=0)
     """Steps after which a tree is grown near the UAV if the map has grown, in lidar ranges."""
-    global_period: float = 1.0
+    global_period: float = bounded(1.0, least=0)
     """Steps after which a tree is grown over the whole map if the map has grown, in lidar ranges."""
-    places: int = 32
+    places: int = bounded(32, least=1)
     """Most viewpoints with different views to choose from."""
-    lookouts: int = 8
+    lookouts: int = bounded(8, least=0)
     """Most other viewpoints near a UAV of the group to choose from."""
-    order: float = 0.3
-    """Weight of the cost of what a sequence leaves behind, per lidar range, against the logarithm of its value."""
-    latency: float = 3.0
+    order: float = bounded(0.3, least=0)
+    """Weight of the cost of the clusters that a sequence leaves behind, per lidar range, against log(value)."""
+    latency: float = bounded(3.0, least=0)
     """Weight of the mean waiting time relative to the length in that cost."""
     take_turns: bool = False
     """Whether to follow the paper: the local tree first, stored viewpoints if its gain is too small."""
-    threshold: float = 0.02
+    threshold: float = bounded(0.02, least=0)
     """Smallest gain of a local tree, and of a stored viewpoint, with ``take_turns``, as a share of the lidar's disc."""
-    global_discount_rate: float = 0.6
+    global_discount_rate: float = bounded(0.6, least=0)
     """Discount rate along the RRT*: gain * exp(-global_discount_rate * length / lidar_range)."""
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        at_least(
-            self,
-            0.0,
-            "goal_bonus",
-            "threshold",
-            "global_discount_rate",
-            "order",
-            "latency",
-            "local_period",
-            "global_period",
-        )
-        at_least(self, 0, "near_samples", "lookouts")
-        at_least(self, 1, "places")
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""
         return TurnsPilot(briefing, self) if self.take_turns else RrtAepPilot(briefing, self)
+
+
+def tree_cells(
+    view: View, squares: Iterable[tuple[float, int]], bias: float, edge: float, rng: np.random.Generator
+) -> NDArray[np.int32]:
+    """Grow a tree from the UAV; return its known free cells, and those where it enters unknown space, flat.
+
+    Each of the ``squares`` around the UAV is given by half its side in cells and its number of samples; a share
+    ``bias`` of them is drawn from unknown cells next to known free ones. ``edge`` is the longest edge in cells.
+    """
+    drawn = [tree_samples(view.belief, view.cell, half, count, bias, rng) for half, count in squares]
+    tree = grow_tree(view.belief, (view.cell[0] + 0.5, view.cell[1] + 0.5), np.concatenate(drawn), edge)
+    cells = known_cells(view.belief, tree.vertices)
+    return np.concatenate([cells[cells >= 0], entries(view.belief, *tree)])
+
+
+class ViewpointMemory:
+    """The viewpoints that one UAV's trees have found, kept as long as they have a gain."""
+
+    def __init__(self, briefing: Briefing, policy: TreePolicy) -> None:
+        self._policy = policy
+        self._rng = briefing.rng
+        self._gains = WeightedGains(briefing.shape, briefing.lidar_range, policy.decay_length, policy.isolation)
+        self._cells = np.empty(0, np.int32)
+
+    def grow(self, view: View, *squares: tuple[float, int]) -> None:
+        """Add the viewpoints of a tree with samples from squares around the UAV (:func:`tree_cells`)."""
+        found = tree_cells(view, squares, self._policy.bias, self._policy.edge, self._rng)
+        self._cells = np.union1d(self._cells, found)
+
+    def recalled(self, view: View, steps: NDArray[np.int32]) -> tuple[NDArray[np.int32], NDArray[np.float64]]:
+        """Return the nearest viewpoints, (K,) flat cells, and their gains, (K,).
+
+        ``steps`` (H*W,) are the path lengths. Unreachable viewpoints and those without a gain are removed.
+        """
+        cells = self._cells[(steps[self._cells] < UNREACHABLE) & ~view.visited.ravel()[self._cells]]
+        cells = cells[np.argsort(steps[cells], kind="stable")]
+        gains = self._gains.at(view.belief, cells[:JUDGED])
+        good = cells[:JUDGED][gains > 0.0]
+        self._cells = np.concatenate([good, cells[JUDGED:]])
+        return good, gains[gains > 0.0]
 
 
 class RrtAepPilot(CandidatePilot):
@@ -172,7 +201,7 @@ class TurnsPilot(RrtNbvPilot):
         self._remembered = viewpoints.cells[good]
         if (good & np.isin(viewpoints.cells, found)).any():
             return super().viewpoint(view)
-        return self._farther(view, viewpoints.those(good))
+        return self._farther(view, viewpoints.selected(good))
 
     def _farther(self, view: View, viewpoints: Viewpoints) -> Cell | None:
         """Return the viewpoint of largest discounted gain along the paths of an RRT*."""

@@ -14,14 +14,14 @@ from indoor_explorers.env.policies.policy import Pilot
 from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.search.frontiers import frontier_cells
-from indoor_explorers.planners.sampling.samples import box_around, merged, tree_samples
+from indoor_explorers.planners.sampling.samples import merged, tree_samples
 from indoor_explorers.planners.sampling.segments import entries
 from indoor_explorers.planners.sampling.trees import Tree, grow_tree
 from indoor_explorers.planners.sampling.viewpoints import ViewpointPilot, ViewpointPolicy
 from indoor_explorers.planners.toolbox.information.view_gain import unclaimed_gains
 from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
 from indoor_explorers.planners.toolbox.navigation.teammates import claims
-from indoor_explorers.planners.toolbox.parameters import at_least
+from indoor_explorers.planners.toolbox.parameters import bounded
 
 #: Doublings of the samples of a tree without a frontier, before the nearest frontier is searched exactly.
 DOUBLINGS = 2
@@ -49,34 +49,28 @@ class RrtFrontier(ViewpointPolicy):
     """
 
     discount_rate: float = 2.4
-    local_samples: int = 150
+    local_samples: int = bounded(150, least=1)
     """Samples for the local tree, which is grown near the UAV whenever the map has grown."""
-    global_samples: int = 150
+    global_samples: int = bounded(150, least=1)
     """Samples for the global tree, which is grown over the whole map when the goal is no frontier cell any more."""
-    bias: float = 0.5
+    bias: float = bounded(0.5, least=0)
     """Share of the samples drawn from unknown cells next to known free ones; the others are uniform."""
-    edge: float = 4.0
+    edge: float = bounded(4.0, least=0.5)
     """Longest edge of a tree in cells."""
-    local_ranges: float = 1.0
+    local_ranges: float = bounded(1.0, least=0.5)
     """Half the side of the square around the UAV that the local tree stays in, in lidar ranges."""
-    latency: float = 16.0
+    latency: float = bounded(16.0, least=0)
     """Weight of the mean waiting time relative to the length of the order."""
-    merge_distance: float = 3.0
+    merge_distance: float = bounded(3.0, least=0)
     """Distance in cells below which candidates are merged."""
     as_published: bool = False
     """Whether to use the paper's revenue."""
-    gain_weight: float = 3.0
+    gain_weight: float = bounded(3.0, least=0)
     """Weight in the paper's revenue: lidar ranges of flight per squared lidar range of unknown cells (there: 3)."""
-    hysteresis: float = 2.0
+    hysteresis: float = bounded(2.0, least=0)
     """Factor on the gain of candidates near the UAV in the paper's revenue."""
-    hysteresis_radius: float = 3.0
+    hysteresis_radius: float = bounded(3.0, least=0)
     """Distance from the UAV up to which it applies, in cells."""
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        at_least(self, 1, "local_samples", "global_samples")
-        at_least(self, 0.5, "edge", "local_ranges")
-        at_least(self, 0.0, "bias", "latency", "merge_distance", "gain_weight", "hysteresis", "hysteresis_radius")
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""
@@ -142,8 +136,7 @@ class RrtFrontierPilot(ViewpointPilot):
 
     def _grow(self, view: View, half: float, samples: int) -> None:
         """Grow a tree in a square around the UAV, and update the candidates."""
-        low, high = box_around(view.cell, half, view.belief.shape)
-        points = tree_samples(view.belief, low, high, samples, self._policy.bias, self.rng)
+        points = tree_samples(view.belief, view.cell, half, samples, self._policy.bias, self.rng)
         tree = grow_tree(view.belief, (view.cell[0] + 0.5, view.cell[1] + 0.5), points, self._policy.edge)
         self.trees.append(tree)
         found = np.union1d(self._candidates, entries(view.belief, *tree))

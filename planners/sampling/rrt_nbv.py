@@ -11,11 +11,11 @@ from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.policies.policy import Pilot
 from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.planners.sampling.samples import box_around, known_cells, tree_samples
+from indoor_explorers.planners.sampling.samples import known_cells, tree_samples
 from indoor_explorers.planners.sampling.setting import Points
 from indoor_explorers.planners.sampling.trees import Tree, grow_tree
 from indoor_explorers.planners.sampling.viewpoints import ViewpointPilot, ViewpointPolicy, Viewpoints
-from indoor_explorers.planners.toolbox.parameters import at_least
+from indoor_explorers.planners.toolbox.parameters import bounded
 
 
 @renamed()
@@ -23,20 +23,14 @@ from indoor_explorers.planners.toolbox.parameters import at_least
 class TreePolicy(ViewpointPolicy):
     """Parameters of all planners that find viewpoints with random trees."""
 
-    samples: int = 200
+    samples: int = bounded(200, least=1)
     """Samples for a tree, which has at most one vertex more."""
-    bias: float = 0.5
+    bias: float = bounded(0.5, least=0)
     """Share of the samples drawn from unknown cells next to known free ones; the others are uniform."""
-    edge: float = 6.0
+    edge: float = bounded(6.0, least=0.5)
     """Longest edge of a tree in cells."""
-    local_ranges: float = 2.0
+    local_ranges: float = bounded(2.0, least=0.5)
     """Half the side of the square around the UAV that the samples are drawn from, in lidar ranges."""
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        at_least(self, 1, "samples")
-        at_least(self, 0.5, "edge", "local_ranges")
-        at_least(self, 0.0, "bias")
 
 
 @renamed()
@@ -82,8 +76,8 @@ class RrtNbvPilot(ViewpointPilot):
     def grow(self, view: View) -> Tree:
         """Grow a tree near the UAV, first towards the remainder of the last best branch."""
         policy = self._policy
-        low, high = box_around(view.cell, policy.local_ranges * self.briefing.lidar_range, view.belief.shape)
-        drawn = tree_samples(view.belief, low, high, policy.samples - len(self._remainder), policy.bias, self.rng)
+        half, count = policy.local_ranges * self.briefing.lidar_range, policy.samples - len(self._remainder)
+        drawn = tree_samples(view.belief, view.cell, half, count, policy.bias, self.rng)
         root = (view.cell[0] + 0.5, view.cell[1] + 0.5)
         return grow_tree(view.belief, root, np.concatenate([self._remainder, drawn]), policy.edge, into_unknown=False)
 

@@ -11,20 +11,14 @@ from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.planners.sampling.setting import Points
 
 
-def box_around(cell: Cell, half: float, shape: tuple[int, ...]) -> tuple[Points, Points]:
-    """Return the lower and upper corner, (2,) each, of the square around a cell's centre, clipped to the map."""
-    centre = np.array(cell) + 0.5
-    return np.maximum(centre - half, 0.0), np.minimum(centre + half, np.array(shape, np.float64))
+def tree_samples(belief: Belief, cell: Cell, half: float, count: int, bias: float, rng: np.random.Generator) -> Points:
+    """Draw (count, 2) points in the square around a cell's centre with half the side ``half``, clipped to the map.
 
-
-def tree_samples(
-    belief: Belief, low: Points, high: Points, count: int, bias: float, rng: np.random.Generator
-) -> Points:
-    """Draw (count, 2) points between two corners, a share ``bias`` of them from unknown cells next to known free ones.
-
-    The others are uniform.
+    A share ``bias`` of them is drawn from unknown cells next to known free ones; the others are uniform.
     """
-    points = low + rng.random((count, 2)) * (high - low)
+    centre = np.array(cell) + 0.5
+    low, high = np.maximum(centre - half, 0.0), np.minimum(centre + half, np.array(belief.shape, np.float64))
+    points: Points = low + rng.random((count, 2)) * (high - low)
     edge_of_unknown = border_cells(belief, low.astype(np.int64), np.ceil(high).astype(np.int64))
     if len(edge_of_unknown):
         biased = min(count, int(bias * count))

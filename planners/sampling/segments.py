@@ -13,7 +13,7 @@ from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.grid.compiled import kernel
 
-#: Results of :func:`fly` other than a cell: no unknown cell on the segment, or an obstacle.
+#: Results of :func:`trace` other than a cell: no unknown cell on the segment, or an obstacle.
 ALL_KNOWN, BLOCKED = -1, -2
 
 
@@ -28,7 +28,7 @@ def _crossing(start: float, delta: float, cell: int) -> float:
 
 
 @kernel()
-def fly(belief: np.ndarray, row: float, col: float, to_row: float, to_col: float) -> int:
+def trace(belief: np.ndarray, row: float, col: float, to_row: float, to_col: float) -> int:
     """Return the last known cell before a segment enters unknown space, as a flat index.
 
     ``ALL_KNOWN`` if the segment stays in known free cells, ``BLOCKED`` if it crosses an obstacle or
@@ -64,7 +64,7 @@ def _entries(
     size = 0
     for k in range(1, vertices.shape[0]):
         parent = parents[k]
-        entry = fly(belief, vertices[parent, 0], vertices[parent, 1], vertices[k, 0], vertices[k, 1])
+        entry = trace(belief, vertices[parent, 0], vertices[parent, 1], vertices[k, 0], vertices[k, 1])
         known[k] = known[parent] and entry == ALL_KNOWN
         if known[parent] and entry >= 0:
             found[size] = entry

@@ -2,7 +2,7 @@
 
 OMPL has one random generator per process, which can be seeded once. So that an episode depends only on its own seed,
 no result of this package depends on that generator: RRT and RRT* take their samples from a goal region of listed states
-(:mod:`indoor_explorers.planners.sampling.trees`), PRM and PRM* from a sampler of listed states
+(:mod:`indoor_explorers.planners.sampling.trees`), PRM* from a sampler of listed states
 (:mod:`indoor_explorers.planners.sampling.roadmaps`), and all stop after a number of samples, never after a time. OMPL
 still draws random numbers for its nearest-neighbour trees, whose answers do not depend on them unless two points have
 the same distance to a third; therefore samples must be drawn from a continuum, not from cell centres.
@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from ompl import base, util
 
 from indoor_explorers.env.grid.arrays import Belief
-from indoor_explorers.planners.sampling.segments import ALL_KNOWN, BLOCKED, fly
+from indoor_explorers.planners.sampling.segments import ALL_KNOWN, BLOCKED, trace
 
 #: (K, 2) rows and columns in continuous cell coordinates: cell (r, c) covers [r, r + 1) x [c, c + 1).
 Points = NDArray[np.float64]
@@ -38,7 +38,7 @@ class MotionChecker(base.MotionValidator):  # type: ignore[misc]  # ompl carries
 
     def checkMotion(self, start: Any, end: Any) -> bool:  # OMPL's name
         """Tell whether the segment between two states is free of obstacles, and of unknown cells if required."""
-        met = fly(self._belief, start[0], start[1], end[0], end[1])
+        met = trace(self._belief, start[0], start[1], end[0], end[1])
         return bool(met != BLOCKED if self._into_unknown else met == ALL_KNOWN)
 
 
@@ -83,5 +83,5 @@ def read_graph(planner: Any, information: Any) -> tuple[list[tuple[float, float]
 
 
 def _anywhere(state: Any) -> bool:
-    """Accept every state: edges are what is checked."""
+    """Accept every state, as the edges are checked."""
     return True

@@ -20,14 +20,14 @@ from indoor_explorers.planners.toolbox.coordination.out_of_contact import OutOfC
 from indoor_explorers.planners.toolbox.information.candidates import distances_between
 from indoor_explorers.planners.toolbox.information.view_gain import WeightedGains, visible_sets
 from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
-from indoor_explorers.planners.toolbox.navigation.teammates import linked, message_of, told_goal
+from indoor_explorers.planners.toolbox.navigation.teammates import linked, message_of, sent_goal
 from indoor_explorers.planners.toolbox.parameters import (
     DiscountParameters,
     GainParameters,
     SwitchCostParameters,
-    at_least,
+    bounded,
 )
-from indoor_explorers.planners.toolbox.routing.min_latency import costs_of_first
+from indoor_explorers.planners.toolbox.routing.min_latency import best_orders
 
 #: Distance, as a share of the lidar range, within which a viewpoint counts as the current goal.
 SAME_PLACE = 0.2
@@ -55,13 +55,13 @@ class Viewpoints(NamedTuple):
     left: NDArray[np.float64]
     """(K,) factors for teammates."""
 
-    def those(self, chosen: Mask | NDArray[np.int64]) -> Viewpoints:
+    def selected(self, chosen: Mask | NDArray[np.int64]) -> Viewpoints:
         """Return the viewpoints that ``chosen`` selects, a (K,) mask or indices."""
         return Viewpoints(self.cells[chosen], self.steps[chosen], self.gains[chosen], self.left[chosen])
 
     def unclaimed(self) -> Viewpoints:
         """Return the viewpoints that are not left to teammates."""
-        return self.those(self.left > LEFT_TO_OTHERS * self.left.max(initial=0.0))
+        return self.selected(self.left > LEFT_TO_OTHERS * self.left.max(initial=0.0))
 
 
 def diverse_subset(
@@ -85,12 +85,8 @@ class ViewpointPolicy(GainParameters, DiscountParameters, SwitchCostParameters, 
     plans_for: ClassVar[str] = ALL_CELLS
 
     discount_rate: float = 1.5
-    share: float = 0.5
+    share: float = bounded(0.5, least=0)
     """Factor on a gain for each closer teammate."""
-
-    def __post_init__(self) -> None:
-        at_least(self, 0.0, "discount_rate", "isolation", "switch_cost", "share")
-        at_least(self, 0.01, "decay_length")
 
 
 class ViewpointPilot(GoalPilot):
@@ -133,13 +129,13 @@ class ViewpointPilot(GoalPilot):
         return super().tally() | {"fallbacks": float(self._fallbacks)}
 
     def judged(self, view: View, cells: NDArray[np.int32]) -> Viewpoints:
-        """Return those of (K,) flat cells that are reachable, not banned, and have a gain."""
+        """Return the viewpoints among (K,) flat cells: reachable, not banned, and with a gain."""
         field = self.steps_from(view, view.cell)
         cells = cells[(field.ravel()[cells] < UNREACHABLE) & ~view.visited.ravel()[cells]]
         cells = cells[~self.near_banned(view, cells)]
         steps, gains = field.ravel()[cells], self.gains.at(view.belief, cells)
         left = self._left(view, cells, steps)
-        return Viewpoints(cells, steps, gains * left, left).those(gains * left > 0.0)
+        return Viewpoints(cells, steps, gains * left, left).selected(gains * left > 0.0)
 
     def best(self, view: View, viewpoints: Viewpoints, latency: float) -> Cell | None:
         """Return the first viewpoint of the order of lowest cost through the best ones.
@@ -150,7 +146,7 @@ class ViewpointPilot(GoalPilot):
         viewpoints = viewpoints.unclaimed()
         if not len(viewpoints.cells):
             return None
-        some = viewpoints.those(self._diverse(view, viewpoints))
+        some = viewpoints.selected(self._diverse(view, viewpoints))
         costs = self._costs(view, some, latency) - self.weights.switch_cost * self._kept(some.cells)
         return divmod(int(some.cells[np.argmin(costs)]), self.paths.width)
 
@@ -168,7 +164,7 @@ class ViewpointPilot(GoalPilot):
         reach, steps = self.briefing.lidar_range, viewpoints.steps.astype(np.float64)
         between = distances_between(view.belief, viewpoints.cells, steps[None], int(HOP_RANGES * reach) + 1)
         worth = np.sqrt(viewpoints.gains)
-        return costs_of_first(steps / reach, between / reach, worth / worth.sum(), latency)
+        return best_orders(steps / reach, between / reach, worth / worth.sum(), latency)[0]
 
     def _kept(self, cells: NDArray[np.int32]) -> Mask:
         """Return which of (K,) flat cells are at the current goal, (K,) bool."""
@@ -190,7 +186,7 @@ class ViewpointPilot(GoalPilot):
             theirs = self.steps_from(view, mate.cell).ravel()[cells]
             nearer = (theirs <= steps) if mate.agent < self.briefing.agent else (theirs < steps)
             left *= np.where(nearer, self.weights.share, 1.0)
-            goal = told_goal(mate)
+            goal = sent_goal(mate)
             if goal is not None:
                 left *= np.minimum(1.0, np.hypot(rows - goal[0], cols - goal[1]) / self.briefing.lidar_range)
         return left

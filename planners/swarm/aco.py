@@ -9,7 +9,6 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
@@ -19,13 +18,13 @@ from indoor_explorers.planners.toolbox.coordination.out_of_contact import OutOfC
 from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters, nearest_cells
 from indoor_explorers.planners.toolbox.information.view_gain import WeightedGains
 from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
-from indoor_explorers.planners.toolbox.navigation.teammates import linked, message_of, told_goal
+from indoor_explorers.planners.toolbox.navigation.teammates import linked, message_of, sent_goal
 from indoor_explorers.planners.toolbox.parameters import (
     DiscountParameters,
     GainParameters,
     GoalBonusParameters,
     ReplanParameters,
-    at_least,
+    bounded,
 )
 
 #: Distance within which a cluster counts as at the current goal, in lidar ranges.
@@ -48,9 +47,10 @@ class Aco(GainParameters, DiscountParameters, GoalBonusParameters, ReplanParamet
 
     with R the lidar range and d_j the path length: with probability ``greed`` the one of largest weight, and otherwise
     one drawn in proportion to them, the pseudo-random proportional rule of ant colony systems. In a gain, near and
-    isolated unknown cells count more (:class:`WeightedGains`). Each UAV keeps its own field of pheromone: what others
-    lay out of contact it never learns, and places near them are left to them by :class:`OutOfContact`. Nothing else is
-    agreed: linked teammates part because each knows where the others are and where they go.
+    isolated unknown cells count more (:class:`WeightedGains`). Each UAV keeps its own field of pheromone: it never
+    learns of pheromone laid out of contact, and clusters near those teammates are left to them by
+    :class:`OutOfContact`. There is no other coordination: linked teammates separate because each knows the others'
+    cells and goals.
 
     The repelling pheromone is that of the exploration by De Rango et al., in which a robot lays it where it senses and
     goes where there is least; in colonies that look for shortest paths it attracts. Differences: the choice is of
@@ -66,33 +66,23 @@ class Aco(GainParameters, DiscountParameters, GoalBonusParameters, ReplanParamet
 
     plans_for: ClassVar[str] = ALL_CELLS
 
-    amount: float = 1.0
+    amount: float = bounded(1.0, least=0)
     """Pheromone that is laid at a place in a step."""
-    spread: float = 1.0
+    spread: float = bounded(1.0, least=0.01)
     """Distance at which 1 / e of it is laid, in lidar ranges."""
-    evaporation: float = 0.1
+    evaporation: float = bounded(0.1, least=0, most=1)
     """Share of the pheromone that evaporates in a step, 0 to 1."""
-    own: float = 0.1
+    own: float = bounded(0.1, least=0)
     """Weight of the pheromone that a UAV lays for itself, relative to that of teammates."""
-    repulsion: float = 4.0
+    repulsion: float = bounded(4.0, least=0)
     """Exponent of the pheromone in the transition rule; 0 ignores it."""
-    attraction: float = 4.0
+    attraction: float = bounded(4.0, least=0)
     """Exponent of the worth in the transition rule (ant colony system: beta)."""
-    greed: float = 0.9
+    greed: float = bounded(0.9, least=0, most=1)
     """Probability of taking the cluster of largest weight instead of a draw, 0 to 1 (ant colony system: q_0)."""
     discount_rate: float = 1.0
     isolation: float = 16.0
     period: float = 0.3
-
-    def __post_init__(self) -> None:
-        """Refuse negative amounts and shares above 1."""
-        at_least(self, 0.0, "amount", "evaporation", "own", "repulsion", "attraction", "greed")
-        at_least(self, 0.0, "discount_rate", "isolation", "goal_bonus", "period")
-        at_least(self, 0.01, "spread", "decay_length")
-        if self.evaporation > 1 or self.greed > 1:
-            raise InputError(
-                f"Aco: expected evaporation and greed of at most 1, got {self.evaporation!r} and {self.greed!r}"
-            )
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""
@@ -163,7 +153,7 @@ class AntPilot(GoalPilot):
         for cell in filter(None, (view.cell, self.goal)):
             self._pheromone.lay(cell, policy.own * policy.amount)
         for mate in linked(view):
-            for cell in filter(None, (mate.cell, told_goal(mate))):
+            for cell in filter(None, (mate.cell, sent_goal(mate))):
                 self._pheromone.lay(cell, policy.amount)
         return super().act(view)
 
@@ -181,7 +171,7 @@ class AntPilot(GoalPilot):
         return goal
 
     def _worth(self, view: View, cells: NDArray[np.int32], steps: NDArray[np.int32]) -> Numbers:
-        """Return what (K,) flat cells, ``steps`` away, are worth, without pheromone, (K,)."""
+        """Return the worth of (K,) flat cells, ``steps`` away, without pheromone, (K,)."""
         left = self._out_of_contact.at_cells(view, cells, steps, self.steps_from)
         worth = (
             left

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.grid.compiled import kernel, leaf
+from indoor_explorers.planners.toolbox.navigation.teammates import ranks
 from indoor_explorers.planners.toolbox.routing.assignment import matched
 
 Assignment = NDArray[np.int64]
@@ -121,12 +122,11 @@ def by_hungarian(problem: AssignmentProblem) -> Assignment:
 
 def by_minpos(problem: AssignmentProblem) -> Assignment:
     """Return each UAV's candidate that the fewest others are closer to; among equals the nearest (Bautin 2012)."""
-    steps = problem.steps
-    nearer = steps[:, None, :] > steps[None, :, :]
-    first = np.tri(len(steps), k=-1, dtype=bool)[:, :, None] & (steps[:, None, :] == steps[None, :, :])
-    rank = (nearer | first).sum(axis=1)
-    rank[steps >= UNREACHABLE] = len(steps) + 1
-    return np.array([np.lexsort((steps[i], rank[i]))[0] for i in range(len(steps))], np.int64)
+    goals = []
+    for i, own in enumerate(problem.steps):
+        others = list(np.delete(problem.steps, i, axis=0))
+        goals.append(np.lexsort((own, ranks(own, others, [k < i for k in range(len(others))])))[0])
+    return np.array(goals, np.int64)
 
 
 def by_greed(problem: AssignmentProblem) -> Assignment:

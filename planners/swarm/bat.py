@@ -7,17 +7,15 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.compiled import kernel, leaf
 from indoor_explorers.env.policies.policy import Pilot
 from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing
 from indoor_explorers.planners.swarm.assignment import Assignment, AssignmentProblem, Plan, value
-from indoor_explorers.planners.swarm.particles import Code, code_of, decode, keys_of
+from indoor_explorers.planners.swarm.particles import Code, code_of, decode, initial_keys
 from indoor_explorers.planners.swarm.pso import Pso, PsoPilot
-from indoor_explorers.planners.toolbox.parameters import at_least
+from indoor_explorers.planners.toolbox.parameters import bounded
 
 #: Random numbers of a bat in a round besides two for each key: for its frequency, its pulse and its loudness.
 DRAWS = 3
@@ -32,7 +30,7 @@ class BatRules(NamedTuple):
     pulse: float
     quickening: float
     stride: float
-    limit: int
+    limit: float
 
 
 @renamed()
@@ -63,42 +61,25 @@ class Bat(Pso):
     """Bats of the swarm, including the four that start from the initial plans."""
     rounds: int = 30
     """Most iterations of the swarm; with 0 the best initial plan is flown."""
-    frequency: float = 0.5
+    frequency: float = bounded(0.5, least=0)
     """Highest frequency, the lowest is 0: share of the way to the best position by which a velocity changes."""
-    loudness: float = 1.0
+    loudness: float = bounded(1.0, least=1e-6, most=1)
     """Probability at first that a bat accepts a position that is no worse, above 0 and at most 1 (paper: A_0)."""
-    quieter: float = 0.9
+    quieter: float = bounded(0.9, least=0, most=1)
     """Factor on the loudness of a bat that has accepted a position (paper: alpha)."""
-    pulse: float = 0.5
+    pulse: float = bounded(0.5, least=0, most=1)
     """Pulse rate that a bat approaches: share of rounds in which it does not look around the best (paper: r_0)."""
-    quickening: float = 0.9
+    quickening: float = bounded(0.9, least=0)
     """Rate at which the pulse rate rises with the rounds (paper: gamma)."""
-    stride: float = 0.3
+    stride: float = bounded(0.3, least=0)
     """Largest change of a key in a look around the best position, at a mean loudness of 1."""
-    limit: int = 8
+    limit: int = bounded(8, least=1)
     """Rounds without an improvement after which a bat becomes a scout; more than ``rounds`` for Yang's algorithm."""
-
-    def __post_init__(self) -> None:
-        """Refuse negative numbers and shares above 1."""
-        super().__post_init__()
-        at_least(self, 0.0, "frequency", "quieter", "pulse", "quickening", "stride")
-        at_least(self, 1e-6, "loudness")
-        at_least(self, 1, "limit")
-        if max(self.loudness, self.quieter, self.pulse) > 1:
-            raise InputError("Bat: expected loudness, quieter and pulse of at most 1")
 
     @property
     def rules(self) -> BatRules:
         """The parameters for compiled code."""
-        return BatRules(
-            float(self.frequency),
-            float(self.loudness),
-            float(self.quieter),
-            float(self.pulse),
-            float(self.quickening),
-            float(self.stride),
-            int(self.limit),
-        )
+        return BatRules._make(float(getattr(self, name)) for name in BatRules._fields)
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""
@@ -189,15 +170,8 @@ def echolocated(
     rules: BatRules,
     rng: np.random.Generator,
 ) -> Plan:
-    """Return the best plan of ``length`` goals per UAV that the bats find, (N, L).
-
-    One bat starts from each of the ``seeds``, assignments that must be reachable, continued by the best next goals; the
-    others start at random, more of them near the best keys, as the particles of ``pso`` do.
-    """
+    """Return the best plan of ``length`` goals per UAV that the bats find, (N, L), one from each of the ``seeds``."""
     code = code_of(problem, length)
-    size = len(code.counts) * length
-    keys: NDArray[np.float64] = rng.random((max(bats, len(seeds)), size)) ** 2
-    for place, goals in enumerate(seeds):
-        keys[place] = keys_of(goals, code, length).ravel()
-    chances = rng.random((rounds, len(keys), DRAWS + 2 * size))
+    keys = initial_keys(code, length, seeds, bats, rng)
+    chances = rng.random((rounds, len(keys), DRAWS + 2 * keys.shape[1]))
     return np.asarray(_echolocate(problem, code, keys, length, chances, rules))

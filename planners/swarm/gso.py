@@ -8,17 +8,15 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Cell, Distances
 from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.planners.toolbox.coordination.goal_claims import goals_near
 from indoor_explorers.planners.toolbox.coordination.independent_pilot import IndependentPilot
 from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters, nearest_cells
 from indoor_explorers.planners.toolbox.information.view_gain import WeightedGains
-from indoor_explorers.planners.toolbox.parameters import GainParameters, at_least
+from indoor_explorers.planners.toolbox.parameters import GainParameters, bounded
 
 #: Distance, in lidar ranges, within which a frontier cluster is the same glowworm as one before the map grew.
 SAME = 0.5
@@ -43,11 +41,11 @@ class Gso(GainParameters, Policy):
     teammates out of contact are left to them by :class:`OutOfContact`.
 
     Differences: frontier clusters take the place of most of the swarm; a UAV flies the whole path to a neighbour, not
-    one step, since new draws at every step make it oscillate; UAVs do not attract each other, since what they would
-    meet at is known already; a new glowworm starts with the luciferin at which its update rests, not at a common l_0;
-    and the draw has a ``sharpness``, 1 in the paper. With ``wanted`` 5, ``adaption`` .08, ``sharpness`` 1 and ``start``
-    2 it needs up to twice the steps of nearest frontiers: it draws small clusters far away. Weakness: floors of rooms,
-    where the light of a cluster says little of what is behind it.
+    one step, since new draws at every step make it oscillate; UAVs do not attract each other, since the cells where
+    they would meet are known already; a new glowworm starts with the luciferin at which its update rests, not at a
+    common l_0; and the draw has a ``sharpness``, 1 in the paper. With ``wanted`` 5, ``adaption`` .08, ``sharpness`` 1
+    and ``start`` 2 it needs up to twice the steps of nearest frontiers: it draws small clusters far away. Weakness:
+    floors of rooms, where the light of a cluster says little about the space behind it.
 
     K. N. Krishnanand, D. Ghose, "Glowworm swarm optimization for simultaneous capture of multiple local optima of
     multimodal functions", Swarm Intelligence 3(2), 2009, doi:10.1007/s11721-008-0021-5; first in SIS 2005,
@@ -56,30 +54,22 @@ class Gso(GainParameters, Policy):
 
     plans_for: ClassVar[str] = ALL_CELLS
 
-    decay: float = 0.4
+    decay: float = bounded(0.4, least=0.01, most=1)
     """Share of its luciferin that a glowworm loses each time the map grows, above 0 and at most 1 (paper: rho)."""
-    enhancement: float = 0.6
+    enhancement: float = bounded(0.6, least=0)
     """Luciferin gained for each weighted cell in view (paper: gamma); it scales all luciferin alike."""
-    wanted: int = 1
-    """Neighbours that the decision range adapts to (paper: n_t, 5). With more, UAVs fly past what is near."""
-    adaption: float = 0.5
+    wanted: int = bounded(1, least=1)
+    """Neighbours that the decision range adapts to (paper: n_t, 5). With more, UAVs fly past near clusters."""
+    adaption: float = bounded(0.5, least=0)
     """Change of the decision range for each neighbour too many or too few, in lidar ranges (paper: beta, .08)."""
-    sensor: float = 8.0
+    sensor: float = bounded(8.0, least=0)
     """Largest decision range, in lidar ranges (paper: r_s)."""
-    start: float = 0.5
+    start: float = bounded(0.5, least=0)
     """Decision range at first, in lidar ranges (paper: the sensor range)."""
-    sharpness: float = 8.0
+    sharpness: float = bounded(8.0, least=0)
     """Exponent of the luciferin difference in the draw: 1 is the paper's, large ones take the brightest neighbour."""
-    dimming: float = 0.8
+    dimming: float = bounded(0.8, least=0, most=1)
     """Share of its view gain that a cluster loses for each linked teammate that flies near it, 0 to 1."""
-
-    def __post_init__(self) -> None:
-        """Refuse negative lengths and shares above 1."""
-        at_least(self, 0.0, "enhancement", "adaption", "sensor", "start", "sharpness", "isolation", "dimming")
-        at_least(self, 0.01, "decay", "decay_length")
-        at_least(self, 1, "wanted")
-        if self.decay > 1 or self.dimming > 1:
-            raise InputError(f"Gso: expected decay and dimming of at most 1, got {self.decay!r} and {self.dimming!r}")
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""
@@ -97,7 +87,7 @@ def brighter(luciferin: Numbers, own: float, steps: Distances, reach: float) -> 
 
 
 def adapted(reach: float, neighbours: int, wanted: int, change: float, largest: float) -> float:
-    """Return the next decision range, in cells, after a decision with so many neighbours."""
+    """Return the next decision range, in cells, after a decision with ``neighbours`` neighbours."""
     return min(largest, max(0.0, reach + change * (wanted - neighbours)))
 
 
@@ -150,8 +140,7 @@ class GlowwormPilot(IndependentPilot):
 
     def _fitness(self, view: View, cells: NDArray[np.int32]) -> Numbers:
         """Return the view gains of (K,) flat cells, dimmed near the goals of linked teammates, (K,)."""
-        near = goals_near(view, self.points(cells), self._lidar)
-        return np.asarray(self._gains.at(view.belief, cells) * (1.0 - self._policy.dimming) ** near)
+        return self._gains.at(view.belief, cells) * self.not_dimmed(view, cells, self._policy.dimming)
 
     def _before(self, cells: NDArray[np.int32], at_rest: Numbers) -> Numbers:
         """Return the luciferin of the glowworms that were at (K,) flat cells before, ``at_rest`` for new ones, (K,)."""

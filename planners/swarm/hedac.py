@@ -8,15 +8,14 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.grid.cells import MOVES, OCCUPIED, UNKNOWN
 from indoor_explorers.env.grid.compiled import inner, leaf
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
-from indoor_explorers.planners.toolbox.navigation.teammates import claims, message_of, remembered
-from indoor_explorers.planners.toolbox.parameters import at_least
+from indoor_explorers.planners.toolbox.coordination.independent_pilot import IndependentPilot
+from indoor_explorers.planners.toolbox.navigation.teammates import claims, remembered
+from indoor_explorers.planners.toolbox.parameters import Parameters, bounded
 
 #: Temperatures below this are too close to the smallest floats for a gradient.
 COLD = 1e-280
@@ -27,7 +26,7 @@ SINK = -1.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class Hedac(Policy):
+class Hedac(Parameters, Policy):
     """Ascend a potential field: the stationary temperature with a heat source in every unexplored cell.
 
     At every passable cell u = (sum of the passable neighbours' u + s) / (n + loss), n their number and s the cell's
@@ -48,21 +47,13 @@ class Hedac(Policy):
 
     plans_for: ClassVar[str] = ALL_CELLS
 
-    loss: float = 10.0
+    loss: float = bounded(10.0, least=1e-6)
     """Heat that a cell loses relative to the exchange with one neighbour, the paper's alpha; a smaller loss gives the
     field a longer range. 1 was as good as the published 10; .1 and .01 were slower in rooms."""
-    sweeps: int = 100
+    sweeps: int = bounded(100, least=1)
     """Most sweeps over the map for a decision; they start from the last field and stop when it has an ascent."""
-    cooling: float = 0.9
+    cooling: float = bounded(0.9, least=0, most=1)
     """Share by which a teammate's goal reduces the heat sources in its lidar range, 0 to 1."""
-
-    def __post_init__(self) -> None:
-        """Refuse parameters without a solution for the field."""
-        at_least(self, 1e-6, "loss")
-        at_least(self, 1, "sweeps")
-        at_least(self, 0.0, "cooling")
-        if self.cooling > 1:
-            raise InputError(f"Hedac: expected cooling of at most 1, got {self.cooling!r}")
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""
@@ -137,34 +128,29 @@ def climb(u: np.ndarray, belief: np.ndarray, row: int, col: int) -> int:
         row, col = r, c
 
 
-class HedacPilot(GoalPilot):
+class HedacPilot(IndependentPilot):
     """Update a temperature field and fly to the end of its steepest ascent."""
+
+    straight = False
+    fallback_figure = "cold_starts"
 
     def __init__(self, briefing: Briefing, policy: Hedac) -> None:
         super().__init__(briefing)
         self._policy = policy
         self._field = np.zeros(briefing.shape)
         self._heat = np.zeros(briefing.shape)
-        self._cold_starts = 0
 
-    def choose(self, view: View) -> Cell | None:
-        """Return the frontier cell at the end of the ascent, or the nearest one if there is no ascent."""
+    def chosen(self, view: View) -> Cell | None:
+        """Return the frontier cell at the end of the ascent; None if there is no ascent, or the cell is banned."""
         end = self._ascent(view)
-        goal = divmod(end, self.paths.width) if end >= 0 else None
-        if goal is None or self.near_banned(view, self.paths.flat([goal])).any():
-            goal = self.nearest_frontier(view)
-            self._cold_starts += goal is not None
-        self.message = message_of(goal)
-        return goal
-
-    def tally(self) -> dict[str, float]:
-        """Return also the number of goals that were nearest frontiers because the field had no ascent."""
-        return {**super().tally(), "cold_starts": float(self._cold_starts)}
+        if end < 0 or self.near_banned(view, np.array([end], np.int32)).any():
+            return None
+        return divmod(end, self.paths.width)
 
     def _ascent(self, view: View) -> int:
         policy = self._policy
-        claimed, reach = claims(view, self.briefing), float(self.briefing.lidar_range)
-        heat_up(view.belief, claimed, reach, 1.0 - policy.cooling, self._sinks(view), self._heat)
+        claimed = claims(view, self.briefing)
+        heat_up(view.belief, claimed, self._lidar, 1.0 - policy.cooling, self._sinks(view), self._heat)
         for done in range(1, policy.sweeps + 1):
             sweep(self._field, view.belief, self._heat, policy.loss)
             if done >= min(FIRST_SWEEPS, policy.sweeps):

@@ -1,9 +1,11 @@
-"""Particle swarm optimisation of joint plans by random keys (Kennedy & Eberhart 1995; Bean 1994)."""
+"""Particle swarm optimisation of joint plans by random keys (Bean 1994): a key in [0, 1) for each goal of each UAV.
+
+J. Kennedy, R. Eberhart, "Particle swarm optimization", ICNN 1995, doi:10.1109/ICNN.1995.488968.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -11,38 +13,20 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.compiled import kernel, leaf
 from indoor_explorers.planners.swarm.assignment import Assignment, AssignmentProblem, Plan, choices, followers, value
-from indoor_explorers.planners.toolbox.parameters import at_least
 
 #: Number of best next goals that a key selects from.
 FOLLOWERS = 8
 
 
-@dataclass(frozen=True, kw_only=True)
-class Swarm:
-    """The parameters of a particle swarm. A position has a key in [0, 1) for each goal of each UAV.
-
-    J. Kennedy, R. Eberhart, "Particle swarm optimization", ICNN 1995, doi:10.1109/ICNN.1995.488968;
-    inertia that falls linearly as in Y. Shi, R. Eberhart, CEC 1998, doi:10.1109/ICEC.1998.699146.
-    """
-
-    particles: int = 20
-    """Number of particles, including those that start from initial plans."""
-    rounds: int = 30
-    """Most iterations; with 0 the best initial position is used."""
-    inertia: tuple[float, float] = (0.9, 0.4)
-    """Share of its velocity that a particle keeps, in the first and in the last iteration."""
-    cognitive: float = 1.5
-    """Attraction of a particle's own best position."""
-    social: float = 1.5
-    """Attraction of the swarm's best position."""
-    largest_step: float = 0.3
-    """Largest change of a key in an iteration."""
-    stagnation: int = 8
-    """Iterations without a better plan after which the swarm stops."""
-
-    def __post_init__(self) -> None:
-        at_least(self, 1, "particles", "stagnation")
-        at_least(self, 0, "rounds", "cognitive", "social", "largest_step")
+#: Share of its velocity that a particle keeps, in the first and in the last iteration (linear in between, as in
+#: Y. Shi, R. Eberhart, CEC 1998, doi:10.1109/ICEC.1998.699146).
+INERTIA = (0.9, 0.4)
+#: Attraction of a particle's own best position, and of the swarm's.
+COGNITIVE, SOCIAL = 1.5, 1.5
+#: Largest change of a key in an iteration.
+LARGEST_STEP = 0.3
+#: Iterations without a better plan after which the swarm stops.
+STAGNATION = 8
 
 
 class Code(NamedTuple):
@@ -151,32 +135,38 @@ def keys_of(goals: Assignment, code: Code, length: int) -> NDArray[np.float64]:
     return keys
 
 
-def seeded(problem: AssignmentProblem, length: int, seeds: Sequence[Assignment]) -> list[Plan]:
-    """Return the initial plans of the swarm, with ``length`` goals per UAV."""
-    code = code_of(problem, length)
-    plans = [np.empty((len(problem.steps), length), np.int64) for _ in seeds]
-    for plan, goals in zip(plans, seeds, strict=True):
-        decode(keys_of(goals, code, length), code, plan)
-    return plans
+def initial_keys(
+    code: Code, length: int, seeds: Sequence[Assignment], count: int, rng: np.random.Generator
+) -> NDArray[np.float64]:
+    """Return the keys of a swarm of ``count`` or more, (S, N L): one for each of the ``seeds``, the others random.
+
+    The seeds, assignments that must be reachable, are continued by the best next goals. More of the random positions
+    are near the best candidates.
+    """
+    keys: NDArray[np.float64] = rng.random((max(count, len(seeds)), len(code.counts) * length)) ** 2
+    for place, goals in enumerate(seeds):
+        keys[place] = keys_of(goals, code, length).ravel()
+    return keys
 
 
 def optimise(
-    problem: AssignmentProblem, length: int, swarm: Swarm, seeds: Sequence[Assignment], rng: np.random.Generator
+    problem: AssignmentProblem,
+    length: int,
+    seeds: Sequence[Assignment],
+    particles: int,
+    rounds: int,
+    rng: np.random.Generator,
 ) -> Plan:
-    """Return the best plan of ``length`` goals per UAV that a swarm finds, (N, L).
+    """Return the best plan of ``length`` goals per UAV that a swarm finds in ``rounds`` iterations, (N, L).
 
-    A UAV's first key selects among its reachable candidates, best first, each other key among the best next goals. One
-    particle starts from each of the ``seeds``, assignments that must be reachable, continued by the best next goals; so
-    the plan never has a lower fitness than these. The other particles start at random, more of them near the best.
+    A UAV's first key selects among its reachable candidates, best first, each other key among the best next goals. The
+    plan never has a lower fitness than the initial plans of the ``seeds`` (:func:`initial_keys`).
     """
     code = code_of(problem, length)
-    uavs = len(code.counts)
-    keys = rng.random((max(swarm.particles, len(seeds)), uavs * length)) ** 2
-    for place, goals in enumerate(seeds):
-        keys[place] = keys_of(goals, code, length).ravel()
-    chances = rng.random((swarm.rounds, len(keys), 2, uavs * length))
-    pulls = np.empty((swarm.rounds, 4))
-    pulls[:, 0] = np.linspace(*swarm.inertia, swarm.rounds)
-    pulls[:, 1:] = swarm.cognitive, swarm.social, swarm.largest_step
+    keys = initial_keys(code, length, seeds, particles, rng)
+    chances = rng.random((rounds, len(keys), 2, keys.shape[1]))
+    pulls = np.empty((rounds, 4))
+    pulls[:, 0] = np.linspace(*INERTIA, rounds)
+    pulls[:, 1:] = COGNITIVE, SOCIAL, LARGEST_STEP
     unknown = np.full(len(keys), -np.inf)
-    return np.asarray(_evolve(problem, code, keys, unknown, length, chances, pulls, swarm.stagnation))
+    return np.asarray(_evolve(problem, code, keys, unknown, length, chances, pulls, STAGNATION))

@@ -1,4 +1,4 @@
-"""PSO with estimates of what is behind the frontier."""
+"""PSO with estimates of the unknown area behind the frontier."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from indoor_explorers.env.policies.policy import Pilot
 from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.swarm.pso import Pso, PsoPilot
+from indoor_explorers.planners.toolbox.information.candidate_outlook import CandidateOutlook
 from indoor_explorers.planners.toolbox.information.candidates import Cells
-from indoor_explorers.planners.toolbox.information.prospects import Prospects
 from indoor_explorers.planners.toolbox.pockets.outlook import EstimateUser
 
 
 @renamed()
 @dataclass(frozen=True, kw_only=True)
 class PsoPredictive(EstimateUser, Pso):
-    """Fly as ``pso`` does, but weigh candidates by the chance that they lead to something, and let some wait.
+    """Fly as ``pso`` does, but weigh candidates by the probability of unknown free cells, and defer some.
 
     A network estimates from the map around each frontier cluster how much unknown free space is behind it
-    (:mod:`indoor_explorers.planners.toolbox.pockets`); a candidate leads to what the nearest cluster does
-    (:mod:`indoor_explorers.planners.toolbox.information.prospects`).
+    (:mod:`indoor_explorers.planners.toolbox.pockets`); a candidate has the outlook of the nearest cluster
+    (:mod:`indoor_explorers.planners.toolbox.information.candidate_outlook`).
     """
 
     def pilot(self, briefing: Briefing) -> Pilot:
@@ -33,12 +33,12 @@ class PsoPredictive(EstimateUser, Pso):
 
 
 class PsoPredictivePilot(PsoPilot):
-    """Ask what the candidates lead to."""
+    """Weigh the candidates by their outlook."""
 
     def __init__(self, briefing: Briefing, policy: Pso) -> None:
         super().__init__(briefing, policy)
-        self._prospects = Prospects(briefing)
+        self._candidate_outlook = CandidateOutlook(briefing)
 
     def chances(self, view: View, cells: Cells, field: Distances) -> NDArray[np.float64]:
         """Return the probability that each of (K,) flat cells leads to unknown free cells, 0 where it can wait."""
-        return self._prospects.chances(view, cells, field)
+        return self._candidate_outlook.chances(view, cells, field)

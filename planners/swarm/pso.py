@@ -23,7 +23,7 @@ from indoor_explorers.planners.swarm.assignment import (
     by_minpos,
     reachable_or_nearest,
 )
-from indoor_explorers.planners.swarm.particles import Swarm, optimise
+from indoor_explorers.planners.swarm.particles import optimise
 from indoor_explorers.planners.toolbox.coordination.linked_group import (
     NOWHERE,
     LinkedMember,
@@ -47,7 +47,7 @@ from indoor_explorers.planners.toolbox.parameters import (
     GainParameters,
     GoalBonusParameters,
     ReplanParameters,
-    at_least,
+    bounded,
 )
 
 #: Paths between candidates are searched up to this length, in lidar ranges.
@@ -78,37 +78,30 @@ class Pso(GainParameters, DiscountParameters, GoalBonusParameters, ReplanParamet
 
     plans_for: ClassVar[str] = ALL_CELLS
 
-    particles: int = 20
+    particles: int = bounded(20, least=1)
     """Particles of the swarm, including the four that start from the initial plans."""
-    rounds: int = 30
+    rounds: int = bounded(30, least=0)
     """Most iterations of the swarm; with 0 and one particle the best initial plan is flown."""
-    length: int = 3
+    length: int = bounded(3, least=1)
     """Goals of a UAV in a plan; the UAV flies to the first one."""
-    power: float = 0.5
+    power: float = bounded(0.5, least=0)
     """Exponent of the view gain: 1 leaves small pockets behind for larger views, 0 prefers the nearest goal."""
-    trust: float = 0.5
+    trust: float = bounded(0.5, least=0)
     """Factor for every goal that a UAV visits before, since the map may differ from expectation, 0 to 1."""
-    decay_length: float = 0.5
+    decay_length: float = bounded(0.5, least=1e-6)
     """Depth inside unknown space over which the weight of an unknown cell falls to 1 / e, in lidar ranges."""
-    absence: float = 0.5
+    absence: float = bounded(0.5, least=0)
     """Share of its value that a goal loses if a teammate out of contact was last known closer to it, 0 to 1."""
-    sector: float = 3.0
+    sector: float = bounded(3.0, least=0)
     """Preference of a UAV alone for its sector while teammates were never heard; see :class:`OutOfContact`."""
     period: float = 0.2
     """Steps after which the group plans again if the map has grown, in lidar ranges."""
-    candidates: int = 32
+    candidates: int = bounded(32, least=1)
     """Most frontier clusters to choose from: the nearest to any UAV of the group."""
-    lookouts: int = 8
+    lookouts: int = bounded(8, least=0)
     """Most other candidates near each UAV, cells with unknown cells in view."""
-    near: int = 6
+    near: int = bounded(6, least=0)
     """Largest distance of these from a UAV, in steps."""
-
-    def __post_init__(self) -> None:
-        """Refuse negative weights and plans without goals."""
-        at_least(self, 0.0, "rounds", "power", "discount_rate", "trust", "isolation", "goal_bonus", "absence")
-        at_least(self, 0.0, "period", "lookouts", "near", "sector")
-        at_least(self, 1e-6, "decay_length")
-        at_least(self, 1, "candidates", "length", "particles")
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""
@@ -116,7 +109,7 @@ class Pso(GainParameters, DiscountParameters, GoalBonusParameters, ReplanParamet
 
 
 class JointPlan(NamedTuple):
-    """A joint plan of N UAVs, and what it was made from."""
+    """A joint plan of N UAVs, and its inputs."""
 
     problem: AssignmentProblem
     cells: Assignment
@@ -135,7 +128,6 @@ class PsoPilot(CandidatePilot):
     def __init__(self, briefing: Briefing, policy: Pso) -> None:
         super().__init__(briefing)
         self._policy = policy
-        self._swarm = Swarm(particles=policy.particles, rounds=policy.rounds)
         self._range = float(briefing.lidar_range)
         self._out_of_contact = OutOfContact(briefing, sector=policy.sector)
         self._period = self.steps_in(policy.period)
@@ -198,12 +190,13 @@ class PsoPilot(CandidatePilot):
 
     def search(self, problem: AssignmentProblem, seeds: list[Assignment], rng: np.random.Generator) -> Plan:
         """Return the best joint plan that a search from the initial assignments finds, (N, L)."""
-        return optimise(problem, self._policy.length, self._swarm, seeds, rng)
+        policy = self._policy
+        return optimise(problem, policy.length, seeds, policy.particles, policy.rounds, rng)
 
     def chances(self, view: View, cells: Cells, field: Distances) -> NDArray[np.float64]:
-        """Return factors on the gains of (K,) flat cells by what they lead to, (K,); cells with 0 can wait.
+        """Return factors on the gains of (K,) flat cells by their outlook, (K,); cells with 0 are deferred.
 
-        ``field`` (H, W) are the steps from the nearest UAV of the group. Here, all lead to the same.
+        ``field`` (H, W) are the steps from the nearest UAV of the group. Here, all factors are 1.
         """
         return np.ones(len(cells))
 

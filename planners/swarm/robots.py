@@ -17,14 +17,14 @@ from indoor_explorers.env.sensing.lidar import view_gain
 from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters, nearest_cells
 from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
 from indoor_explorers.planners.toolbox.navigation.teammates import linked
-from indoor_explorers.planners.toolbox.parameters import at_least
+from indoor_explorers.planners.toolbox.parameters import Parameters, bounded
 
 #: (2,) rows and columns.
 Vector = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
-class PsoRobots(Policy):
+class PsoRobots(Parameters, Policy):
     """Treat each UAV as a particle with inertia, a cognitive and a social term, and repulsion from walls and teammates.
 
     velocity = inertia * velocity + sum over the four terms of weight * random number * direction; the UAV makes the
@@ -44,25 +44,20 @@ class PsoRobots(Policy):
 
     plans_for: ClassVar[str] = ALL_CELLS
 
-    inertia: float = 0.6
+    inertia: float = bounded(0.6, least=0)
     """Share of its velocity that a particle keeps in a step."""
-    cognitive: float = 1.0
+    cognitive: float = bounded(1.0, least=0)
     """Attraction of the nearest frontier."""
-    social: float = 0.5
+    social: float = bounded(0.5, least=0)
     """Attraction of the best frontier sent in the linked group."""
-    obstacles: float = 0.2
+    obstacles: float = bounded(0.2, least=0)
     """Repulsion of known obstacles and of the map's edge next to the UAV."""
-    mates: float = 0.5
+    mates: float = bounded(0.5, least=0)
     """Repulsion of a linked teammate next to the UAV; it falls to 0 at a lidar range."""
-    stagnation: int = 30
+    stagnation: int = bounded(30, least=1)
     """Steps without new cells after which a particle is split off."""
-    candidates: int = 16
+    candidates: int = bounded(16, least=1)
     """Number of nearest frontier clusters among which a UAV chooses its best one."""
-
-    def __post_init__(self) -> None:
-        """Refuse negative weights and counts."""
-        at_least(self, 0.0, "inertia", "cognitive", "social", "obstacles", "mates")
-        at_least(self, 1, "stagnation", "candidates")
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""
@@ -77,7 +72,7 @@ class ParticlePilot(GoalPilot):
         self._policy = policy
         self._velocity: Vector = np.zeros(2)
         self._nearest: Cell | None = None
-        self._news_at = 0
+        self._grew_at = 0
         self._alone = False
         self._ways: dict[Cell, list[Cell]] = {}
         self._splits = self._alone_steps = 0
@@ -86,10 +81,10 @@ class ParticlePilot(GoalPilot):
         """Move with the swarm, or alone if split off."""
         self.navigator.observe(view)
         if self.map_grew:
-            self._news_at = view.step
+            self._grew_at = view.step
         if self._alone and (self.goal is None or self.is_spent(view, self.goal)):
             self._alone = not self.map_grew
-        stagnant = view.step - self._news_at >= self._policy.stagnation
+        stagnant = view.step - self._grew_at >= self._policy.stagnation
         if not self._alone and (
             stagnant or self._turned_back() or self.navigator.is_stationary
         ):  # a particle does not make way
@@ -138,7 +133,7 @@ class ParticlePilot(GoalPilot):
         policy = self._policy
         pulls = (
             (policy.cognitive, self._towards(view, self._nearest)),
-            (policy.social, self._towards(view, self._best_told(view))),
+            (policy.social, self._towards(view, self._best_sent(view))),
             (policy.obstacles, self._from_walls(view)),
             (policy.mates, self._from_mates(view)),
         )
@@ -149,9 +144,9 @@ class ParticlePilot(GoalPilot):
         along = np.where(view.legal[:4], MOVES[:4] @ self._velocity, -np.inf)
         return int(along.argmax()) if view.legal[:4].any() else int(Action.STAY)
 
-    def _best_told(self, view: View) -> Cell | None:
-        told = [message for message in (self.message, *(mate.message for mate in linked(view))) if message]
-        worth = {(int(row), int(col)): value for row, col, value in told}
+    def _best_sent(self, view: View) -> Cell | None:
+        sent = [message for message in (self.message, *(mate.message for mate in linked(view))) if message]
+        worth = {(int(row), int(col)): value for row, col, value in sent}
         return max((cell for cell in worth if not self.is_spent(view, cell)), key=worth.__getitem__, default=None)
 
     def _towards(self, view: View, goal: Cell | None) -> Vector:

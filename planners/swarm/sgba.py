@@ -12,7 +12,7 @@ from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
 from indoor_explorers.planners.toolbox.navigation.teammates import linked
-from indoor_explorers.planners.toolbox.parameters import at_least
+from indoor_explorers.planners.toolbox.parameters import Parameters, bounded
 
 #: Headings 0 to 3.
 CLOCKWISE = (Action.UP, Action.RIGHT, Action.DOWN, Action.LEFT)
@@ -21,7 +21,7 @@ SHORTEST_PATIENCE = 8
 
 
 @dataclass(frozen=True, kw_only=True)
-class Sgba(Policy):
+class Sgba(Parameters, Policy):
     """Keep a preferred bearing, 2 pi i / N for UAV i of N, and follow the walls in its way.
 
     This is the outbound part of the swarm gradient bug algorithm; there is neither a battery nor a beacon to return to.
@@ -43,16 +43,12 @@ class Sgba(Policy):
 
     plans_for: ClassVar[str] = ALL_CELLS
 
-    near: float = 1.0
+    near: float = bounded(1.0, least=0)
     """Distance to a linked teammate of lower number at which a UAV changes its bearing, in lidar ranges."""
     finish: bool = True
     """Whether to fly to nearest frontiers in the end; if False, an episode may last to its budget."""
-    patience: float = 4.0
+    patience: float = bounded(4.0, least=0)
     """Steps without new cells before that, per cell of the lidar range."""
-
-    def __post_init__(self) -> None:
-        """Refuse negative distances and times."""
-        at_least(self, 0.0, "near", "patience")
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""
@@ -72,7 +68,7 @@ class SgbaPilot(GoalPilot):
         self._heading = 0
         self._met: Cell | None = None
         self._along = 0
-        self._news_at = 0
+        self._grew_at = 0
         self._turned_at = -self._near
         self._finishing = self._held_up = 0
         self._finishes = self._detours = False
@@ -80,7 +76,7 @@ class SgbaPilot(GoalPilot):
     def act(self, view: View) -> int:
         """Run one step of the state machine: along the bearing, along a wall, or to a frontier."""
         self.navigator.observe(view)
-        if not self._finishes and self._has_had_enough(view):
+        if not self._finishes and self._is_finished(view):
             self.choose_goal(view)
             self._finishes = True
         if self._finishes:
@@ -114,11 +110,11 @@ class SgbaPilot(GoalPilot):
             self.choose_goal(view)
         return self._detours
 
-    def _has_had_enough(self, view: View) -> bool:
+    def _is_finished(self, view: View) -> bool:
         """Tell whether no cell has become known for too long, or no frontier is left."""
         if not self.map_grew:
-            return view.step - self._news_at > self._patience
-        self._news_at = view.step
+            return view.step - self._grew_at > self._patience
+        self._grew_at = view.step
         return isfinite(self._patience) and self.paths.to_frontier(view.belief, view.cell, self.rng) is None
 
     def _set_bearing(self, bearing: float) -> None:

@@ -1,66 +1,109 @@
-"""Parameters that planners share, one word with one unit each, and checks of them when a policy is made.
+"""Parameters of planners: declarations with bounds, and the parameters that planners share, each with one unit.
 
 A policy takes the mixins whose parameters it has, and repeats a field where its default is another one.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from math import isfinite
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from math import inf, isfinite
+from typing import NamedTuple, TypeVar
 
 from indoor_explorers.env.errors import InputError
 
+T = TypeVar("T")
+
+
+class Bounds(NamedTuple):
+    """The numbers that a parameter may have."""
+
+    least: float
+    most: float
+
+    def refusal(self, value: object) -> str:
+        """Return the expectation that a value fails, for an error message; empty if the value is allowed."""
+        if isinstance(value, int | float) and isfinite(value) and self.least <= value <= self.most:
+            return ""
+        return f"of at least {self.least:g}" + (f" and at most {self.most:g}" if self.most < inf else "")
+
+
+class Options(tuple[str, ...]):
+    """The words that a parameter may have."""
+
+    def refusal(self, value: object) -> str:
+        """Return the expectation that a value fails, for an error message; empty if the value is allowed."""
+        return "" if value in self else f"to be one of {', '.join(self)}"
+
+
+def bounded(default: T, least: float, most: float = inf) -> T:
+    """Declare a parameter: a finite number from ``least`` to ``most``."""
+    return field(default=default, metadata={"allowed": Bounds(least, most)})
+
+
+def one_of(default: T, options: Sequence[str]) -> T:
+    """Declare a parameter: one of the ``options``."""
+    return field(default=default, metadata={"allowed": Options(options)})
+
+
+def declared(kind: type) -> Mapping[str, Bounds | Options]:
+    """Return the bounds and options of a class's parameters; a field repeated with a plain default keeps them."""
+    fields = [each for base in reversed(kind.__mro__) for each in vars(base).get("__dataclass_fields__", {}).values()]
+    return {each.name: each.metadata["allowed"] for each in fields if "allowed" in each.metadata}
+
+
+class Parameters:
+    """Base class of policies that checks the declarations by :func:`bounded` and :func:`one_of`."""
+
+    def __post_init__(self) -> None:
+        """Check the parameters.
+
+        Raises:
+            InputError: one of them is outside of its bounds, not finite, or none of its options.
+
+        """
+        for name, allowed in declared(type(self)).items():
+            if wanted := allowed.refusal(getattr(self, name)):
+                raise InputError(f"{type(self).__name__}: expected {name} {wanted}, got {getattr(self, name)!r}")
+
 
 @dataclass(frozen=True, kw_only=True)
-class GainParameters:
+class GainParameters(Parameters):
     """How unknown cells in view are weighed."""
 
-    isolation: float = 8.0
+    isolation: float = bounded(8.0, least=0)
     """Additional weight of an unknown cell if all 24 cells around it are known; pockets are finished while near."""
-    decay_length: float = 0.5
-    """Distance from the place that looks over which the weight of an unknown cell falls to 1 / e, in lidar ranges."""
+    decay_length: float = bounded(0.5, least=0.01)
+    """Distance from the viewpoint over which the weight of an unknown cell falls to 1 / e, in lidar ranges."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class DiscountParameters:
+class DiscountParameters(Parameters):
     """How gains that take longer to reach are discounted."""
 
-    discount_rate: float = 0.8
+    discount_rate: float = bounded(0.8, least=0)
     """Discount rate of view gains: a gain counts gain * exp(-discount_rate * path_length / lidar_range)."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class ReplanParameters:
+class ReplanParameters(Parameters):
     """When a UAV chooses again although its goal is still useful."""
 
-    period: float = 0.1
+    period: float = bounded(0.1, least=0)
     """Steps after which a UAV chooses again if the map has grown, in lidar ranges."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class GoalBonusParameters:
-    """How a UAV keeps its goal where places are compared by values."""
+class GoalBonusParameters(Parameters):
+    """How a UAV keeps its goal where candidates are compared by values."""
 
-    goal_bonus: float = 0.2
-    """Bonus on the value of a place at the UAV's current goal, as a share of the value."""
+    goal_bonus: float = bounded(0.2, least=0)
+    """Bonus on the value of a candidate at the UAV's current goal, as a share of the value."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class SwitchCostParameters:
-    """How a UAV keeps its goal where places are compared by lengths of flight."""
+class SwitchCostParameters(Parameters):
+    """How a UAV keeps its goal where candidates are compared by lengths of flight."""
 
-    switch_cost: float = 0.2
+    switch_cost: float = bounded(0.2, least=0)
     """Cost that another goal than the current one has to save, in lidar ranges."""
-
-
-def at_least(parameters: object, least: float, *names: str) -> None:
-    """Require finite fields of a parameter object to be ``least`` or more.
-
-    Raises:
-        InputError: one of them is less, or not finite.
-
-    """
-    for name in names:
-        value = getattr(parameters, name)
-        if not isinstance(value, int | float) or not isfinite(value) or value < least:
-            raise InputError(f"{type(parameters).__name__}: expected {name} of at least {least:g}, got {value!r}")

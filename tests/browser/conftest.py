@@ -50,9 +50,8 @@ def results():
         for name, policy in NAMES.items():
             flown = fly(policy, name, scenario, tasks)
             records += [replace(each, floorplan=replace(each.floorplan, name=MAP)) for each in flown]
-    settings = {each.name: {"fingerprint": each.fingerprint, **each.model_dump(mode="json")} for each in (team, alone)}
     about = {"use": "wander", "class": "tests:Wander", "privileged": False, "parameters": {}}
-    return Results({name: dict(about) for name in NAMES}, settings, [], records)
+    return results_from(records, (team, alone), {name: dict(about) for name in NAMES})
 
 
 @pytest.fixture(scope="session")
@@ -76,24 +75,31 @@ def browser():
         running.close()
 
 
+@contextmanager
+def opened(browser, address, **looks):
+    """Open an address; yield the page, what it complains about, and what it asks for."""
+    options = {"viewport": {"width": 1280, "height": 900}, "color_scheme": "light", **looks}
+    page = browser.new_context(**options).new_page()
+    page.set_default_timeout(20_000)
+    complaints, asked = [], []
+    page.on("console", lambda message: complaints.append(message.text) if message.type != "log" else None)
+    page.on("pageerror", lambda error: complaints.append(str(error)))
+    page.on("request", lambda request: asked.append(request.url))
+    page.goto(address)
+    yield SimpleNamespace(page=page, complaints=complaints, asked=asked)
+    page.context.close()
+
+
 @pytest.fixture(scope="module")
 def visit(browser, address):
-    """Open the report at a hash and watch what it complains about and asks for."""
+    """Open the report at a hash."""
+    return lambda hash_="", **looks: opened(browser, address + hash_, **looks)
 
-    @contextmanager
-    def opened(hash_="", **looks):
-        options = {"viewport": {"width": 1280, "height": 900}, "color_scheme": "light", **looks}
-        page = browser.new_context(**options).new_page()
-        page.set_default_timeout(20_000)
-        complaints, asked = [], []
-        page.on("console", lambda message: complaints.append(message.text) if message.type != "log" else None)
-        page.on("pageerror", lambda error: complaints.append(str(error)))
-        page.on("request", lambda request: asked.append(request.url))
-        page.goto(address + hash_)
-        yield SimpleNamespace(page=page, complaints=complaints, asked=asked)
-        page.context.close()
 
-    return opened
+def results_from(records, scenarios, about):
+    """Return the results of flights, of policies that ``about`` describes by name."""
+    settings = {each.name: {"fingerprint": each.fingerprint, **each.model_dump(mode="json")} for each in scenarios}
+    return Results(about, settings, [], records)
 
 
 @pytest.fixture(scope="module")

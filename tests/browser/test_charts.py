@@ -54,7 +54,7 @@ def test_a_policy_is_hidden_and_shown_alone(page):
     assert set(lines(page).values()) == {True}
 
 
-def test_whose_coverage_and_which_steps_are_chosen(page):
+def test_the_coverage_of_the_team_or_of_the_worst_uav_is_chosen(page):
     curve = "() => [...document.getElementById('chart-s1').data.find((trace) => trace.meta === 'wander').y]"
     team = page.evaluate(curve)
     page.locator("#s1").get_by_role("button", name="Worst UAV").first.click()

@@ -90,7 +90,7 @@ def test_a_click_on_a_heading_sorts(page):
     assert table.locator("thead th").first.evaluate("head => getComputedStyle(head).position") == "sticky"
 
 
-def test_what_repeats_the_question_is_folded_and_a_link_to_it_opens_it(page):
+def test_secondary_figures_are_folded_until_they_are_opened(page):
     folds = page.locator("#s1 details.fold:has(table.duels), #s1 details.fold:has(table.rank-plot)")
     assert folds.count() == 2
     assert [fold.evaluate("fold => fold.open") for fold in folds.all()] == [False, False]

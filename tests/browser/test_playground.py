@@ -10,6 +10,8 @@ from indoor_explorers.env import World, make_policy, scenario
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
 from indoor_explorers.evaluation.studies.playground.page import maps, playground, write_playground
 
+from .conftest import opened
+
 pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("browser")]
 
 TASKS = {
@@ -48,24 +50,16 @@ def page(browser, tmp_path_factory):
     """The playground, which must have nothing to complain of and ask for nothing."""
     path = tmp_path_factory.mktemp("playground") / "play.html"
     write_playground(path)
-    page = browser.new_context(viewport={"width": 1280, "height": 900}).new_page()
-    page.set_default_timeout(20_000)
-    complaints, asked = [], []
-    page.on("console", lambda message: complaints.append(message.text) if message.type != "log" else None)
-    page.on("pageerror", lambda error: complaints.append(str(error)))
-    page.on("request", lambda request: asked.append(request.url))
-    page.goto(path.as_uri())
-    yield page
-    page.context.close()
-    assert complaints == []
-    assert asked == [path.as_uri()]
+    with opened(browser, path.as_uri()) as shown:
+        yield shown.page
+    assert shown.complaints == []
+    assert shown.asked == [path.as_uri()]
 
 
 def task_of(name, **more):
     preset, settings = TASKS[name]
-    return (
-        scenario(preset).for_evaluation().with_settings({"budget": None, "on_collision": "block", **settings, **more})
-    )
+    changes = {"budget": None, "on_collision": "block", **settings, **more}
+    return scenario(preset).for_evaluation().with_settings(changes)
 
 
 @pytest.mark.parametrize("name", TASKS)
@@ -98,13 +92,19 @@ def test_the_nearest_frontier_is_the_planner_s_move_by_move(page, name):
         world.reset([seed])
         start, truth = world.state.cell[0, 0].tolist(), world.state.truth[0].tolist()
         policy = make_policy("frontier-nearest")
-        steps = [
-            int(actions[0, 0]) for actions in rollout(world, ask_pilots(policy, make_pilots(policy, world), world))
-        ]
+        flight = rollout(world, ask_pilots(policy, make_pilots(policy, world), world))
+        steps = [int(actions[0, 0]) for actions in flight]
         asked = [truth, start[0] * len(truth[0]) + start[1], world.scenario.lidar.range, steps]
         covered, total = int(world.state.team_covered[0]), int(world.state.total[0])
         assert page.evaluate(FOLLOW, asked) == f"explored {covered} of {total}"
         assert covered == total or name == "maze"  # where the budget may be too short
+
+
+def cell_on_screen(page, row, col):
+    """Return where the middle of a cell of the empty room is drawn."""
+    box = page.locator("#map").bounding_box()
+    side = box["width"] / 16
+    return box["x"] + (col + 0.5) * side, box["y"] + (row + 0.5) * side
 
 
 def status(page):
@@ -134,12 +134,10 @@ def test_a_wall_is_drawn_and_flown_around(page):
     page.select_option("#team", "1")
     page.select_option("#preset", "an empty room")
     before = page.evaluate("playground.episode.total")
-    box = page.locator("#map").bounding_box()
-    side = box["width"] / 16
     page.locator("input[value=wall]").check()
-    page.mouse.move(box["x"] + 4.5 * side, box["y"] + 2.5 * side)
+    page.mouse.move(*cell_on_screen(page, 2, 4))
     page.mouse.down()
-    page.mouse.move(box["x"] + 4.5 * side, box["y"] + 7.5 * side, steps=20)
+    page.mouse.move(*cell_on_screen(page, 7, 4), steps=20)
     page.mouse.up()
     drawn = page.locator("#text").input_value().splitlines()
     assert [row[4] for row in drawn] == [*"..", *"######", *"........"]
@@ -164,10 +162,8 @@ def test_uavs_are_placed_where_the_reader_says(page):
     page.select_option("#preset", "an empty room")
     page.select_option("#team", "2")
     page.locator("input[value=uav]").check()
-    box = page.locator("#map").bounding_box()
-    side = box["width"] / 16
-    for row, col in ((1, 1), (14, 13)):
-        page.mouse.click(box["x"] + (col + 0.5) * side, box["y"] + (row + 0.5) * side)
+    for cell in ((1, 1), (14, 13)):
+        page.mouse.click(*cell_on_screen(page, *cell))
     assert page.evaluate("playground.episode.cells") == [17, 14 * 16 + 13]
     page.locator("input[value=wall]").check()
 

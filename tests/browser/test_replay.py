@@ -3,15 +3,15 @@
 import json
 from urllib.parse import quote, unquote
 
+import numpy as np
 import pytest
 
 from indoor_explorers.env import PRESETS, make_policy
 from indoor_explorers.evaluation.harness.episodes.runner import fly
 from indoor_explorers.evaluation.harness.experiment.experiment import Task
-from indoor_explorers.evaluation.harness.results.results import Results
 from indoor_explorers.evaluation.report import write_report
 
-from .conftest import HOSTILE, PLAIN
+from .conftest import HOSTILE, PLAIN, opened, results_from
 
 pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("browser")]
 
@@ -30,12 +30,16 @@ def shown(page):
     }
 
 
-def step(page):
-    return int(page.locator(f"{REPLAY} [role=slider]").get_attribute("aria-valuenow"))
+def map_of(page, section="s1"):
+    return page.locator(f"#replay-{section} select[aria-label='Map of']")
+
+
+def step(page, which="now"):
+    return int(page.locator(f"{REPLAY} [role=slider]").get_attribute(f"aria-value{which}"))
 
 
 def last_step(page):
-    return int(page.locator(f"{REPLAY} [role=slider]").get_attribute("aria-valuemax"))
+    return step(page, "max")
 
 
 def data(page):
@@ -58,7 +62,7 @@ def test_readouts_are_those_of_the_record_at_every_step(page, record_of, chosen)
     seed = episode["task"][1]
     records = {name: record_of(1, name, seed) for name in (PLAIN, HOSTILE, "raises")}
     open_replay(page, task=[0, seed])
-    page.locator(f"{REPLAY} select[aria-label='Map of']").select_option(str(chosen - 1) if chosen else "team")
+    map_of(page).select_option(str(chosen - 1) if chosen else "team")
     for now in (0, 1, 2, 5, 17, 44, last_step(page)):
         open_replay(page, task=[0, seed], step=now)
         assert step(page) == now
@@ -70,7 +74,7 @@ def test_readouts_are_those_of_the_record_at_every_step(page, record_of, chosen)
             assert f"step {there} " in texts[name]
             assert f"{record.distance[there]} cells flown" in texts[name]
             assert ("flying" in texts[name]) == (there < record.steps)
-    page.locator(f"{REPLAY} select[aria-label='Map of']").select_option("team")
+    map_of(page).select_option("team")
     assert "policy failed" in shown(page)["raises"]
 
 
@@ -124,7 +128,7 @@ def test_layers_change_the_picture_and_back(page):
 def test_a_uav_alone_knows_no_more_than_the_team(page):
     open_replay(page, step=25)
     team = pictures(page)
-    choice = page.locator(f"{REPLAY} select[aria-label='Map of']")
+    choice = map_of(page)
     assert choice.locator("option").all_inner_texts() == ["team", "UAV 0", "UAV 1", "UAV 2", "UAV 3"]
     choice.select_option("3")
     assert "map=uav-3" in settled(page, "map=uav-3")
@@ -172,9 +176,7 @@ def test_elements_of_a_section_open_its_replay(page):
         open_replay(page, step=11)
         act()
         assert step(page) == 2
-        assert page.locator(f"{REPLAY} select[aria-label=Episode]").input_value() == str(
-            len(data(page)["episodes"]) - 1
-        )
+        assert page.locator(f"{REPLAY} select[aria-label=Episode]").input_value() == str(last)
     page.evaluate("for (const made of document.querySelectorAll('[id^=opens-]')) made.remove()")
 
 
@@ -182,16 +184,16 @@ def test_the_address_names_the_moment_and_leads_back_to_it(page, visit):
     task = data(page)["episodes"][1]["task"]
     open_replay(page, task=task, step=7, policy=HOSTILE)
     page.locator(f"{REPLAY} input[name=lidar]").uncheck()
-    page.locator(f"{REPLAY} select[aria-label='Map of']").select_option("2")
+    map_of(page).select_option("2")
     page.get_by_text("Copy link").first.click()
     hash_ = settled(page, "map=uav-2")
     page.locator(f"{REPLAY} input[name=lidar]").check()
-    page.locator(f"{REPLAY} select[aria-label='Map of']").select_option("team")
+    map_of(page).select_option("team")
     assert f"task={task[0]},{task[1]};step=7;" in hash_
     assert HOSTILE in unquote(hash_)
     with visit(hash_ + ";dark;nonsense;more=%E0%A4%A") as again:
         assert step(again.page) == 7
-        assert again.page.locator(f"{REPLAY} select[aria-label='Map of']").input_value() == "2"
+        assert map_of(again.page).input_value() == "2"
         assert not again.page.locator(f"{REPLAY} input[name=lidar]").is_checked()
         assert again.page.locator("html").get_attribute("data-theme") == "dark"
         assert 0 <= again.page.locator(REPLAY).bounding_box()["y"] < 200
@@ -204,7 +206,7 @@ def test_the_address_names_the_moment_and_leads_back_to_it(page, visit):
 
 
 def test_addresses_count_uavs_from_0_and_those_of_older_pages_from_1(page):
-    chosen = page.locator(f"{REPLAY} select[aria-label='Map of']")
+    chosen = map_of(page)
     for step_, (part, value) in enumerate(
         [("uav-0", "0"), ("uav-3", "3"), ("1", "0"), ("4", "3"), ("0", "team"), ("team", "team"), ("uav-9", "team")], 1
     ):
@@ -219,13 +221,10 @@ def test_it_opens_where_the_flights_differ_most(page, record_of):
     place = data(page)["episodes"][0]["task"][1]
     curves = [record_of(1, name, place).covered[:, 0] for name in (PLAIN, HOSTILE, "raises")]
     last = max(map(len, curves))
-    apart = [
-        max(each[min(now, len(each) - 1)] for each in curves) - min(each[min(now, len(each) - 1)] for each in curves)
-        for now in range(last)
-    ]
+    apart = np.ptp([np.pad(each, (0, last - len(each)), "edge") for each in curves], axis=0)
     open_replay(page, task=[0, place])
     assert last_step(page) == last - 1
-    assert step(page) == apart.index(max(apart))
+    assert step(page) == apart.argmax()
 
 
 def test_same_flights_share_a_panel_and_can_be_chosen_all_the_same(page):
@@ -243,17 +242,15 @@ def test_same_flights_share_a_panel_and_can_be_chosen_all_the_same(page):
 def test_unknown_cells_at_full_coverage_are_explained(browser, tmp_path):
     scenario = PRESETS["thesis-obstacles"].for_evaluation().with_settings({"goal": 1.0})
     records = list(fly(make_policy("frontier-nearest"), "one", scenario, [Task(scenario.name, 0, 4)]))
-    settings = {scenario.name: {"fingerprint": scenario.fingerprint, **scenario.model_dump(mode="json")}}
-    write_report(Results({"one": {}}, settings, [], records), tmp_path / "report.html")
-    page = browser.new_page()
-    page.goto((tmp_path / "report.html").as_uri())
-    note = page.locator(f"{REPLAY} .pockets")
-    page.get_by_label("To the start").click()
-    assert not note.is_visible()
-    page.get_by_label("To the end").click()
-    assert "100.0 %" in page.locator(f"{REPLAY} .readout").inner_text()
-    assert "cells that are still unknown are walls, or cannot be reached" in note.inner_text()
-    page.close()
+    write_report(results_from(records, [scenario], {"one": {}}), tmp_path / "report.html")
+    with opened(browser, (tmp_path / "report.html").as_uri()) as shown_alone:
+        page = shown_alone.page
+        note = page.locator(f"{REPLAY} .pockets")
+        page.get_by_label("To the start").click()
+        assert not note.is_visible()
+        page.get_by_label("To the end").click()
+        assert "100.0 %" in page.locator(f"{REPLAY} .readout").inner_text()
+        assert "cells that are still unknown are walls, or cannot be reached" in note.inner_text()
 
 
 SHORT = {"radio.model": "disc", "radio.range": 4.0, "on_collision": "block", "budget": 80}
@@ -270,20 +267,14 @@ HARDER = {
 @pytest.fixture(scope="module")
 def harder(browser, tmp_path_factory):
     """An open page with a scenario of each kind, and the records by section."""
-    records, settings = [], {}
-    for name, changes in HARDER.items():
-        scenario = PRESETS["thesis-team-4"].for_evaluation().with_settings(SHORT | changes | {"name": name})
-        records += fly(make_policy("frontier-minpos"), "one", scenario, [Task(name, 0, 4)])
-        settings[name] = {"fingerprint": scenario.fingerprint, **scenario.model_dump(mode="json")}
-    path = tmp_path_factory.mktemp("harder") / "report.html"
-    write_report(Results({"one": {}}, settings, [], records), path)
-    page = browser.new_page(viewport={"width": 1280, "height": 900})
-    complaints = []
-    page.on("pageerror", lambda error: complaints.append(str(error)))
-    page.goto(path.as_uri())
-    yield page, {f"s{place}": record for place, record in enumerate(records, 1)}
-    assert complaints == []
-    page.close()
+    team = PRESETS["thesis-team-4"].for_evaluation()
+    scenarios = [team.with_settings(SHORT | changes | {"name": name}) for name, changes in HARDER.items()]
+    policy, path = make_policy("frontier-minpos"), tmp_path_factory.mktemp("harder") / "report.html"
+    records = [record for each in scenarios for record in fly(policy, "one", each, [Task(each.name, 0, 4)])]
+    write_report(results_from(records, scenarios, {"one": {}}), path)
+    with opened(browser, path.as_uri()) as shown_harder:
+        yield shown_harder.page, {f"s{place}": record for place, record in enumerate(records, 1)}
+    assert shown_harder.complaints == []
 
 
 @pytest.mark.parametrize("section", [f"s{place}" for place in range(1, 1 + len(HARDER))])
@@ -306,10 +297,10 @@ def test_readouts_are_those_of_the_record_where_tasks_are_harder(harder, section
 def test_the_map_of_the_base_is_shown_and_in_the_address(harder):
     page, records = harder
     for section, chosen in (("s2", "team"), ("s3", "base")):
-        choice = page.locator(f"#replay-{section} select[aria-label='Map of']")
+        choice = map_of(page, section)
         assert choice.input_value() == chosen
         assert choice.locator("option").all_inner_texts()[:2] == ["team and base", "home base"]
-    choice = page.locator("#replay-s2 select[aria-label='Map of']")
+    choice = map_of(page, "s2")
     choice.select_option("base")
     assert "map=base" in settled(page, "map=base")
     page.evaluate("openReplay('s2', { step: 20 })")

@@ -42,3 +42,12 @@ def test_a_link_stays_and_its_target_is_written(tmp_path):
             partial.write_text(text)
         assert (link.is_symlink(), target.read_text()) == (True, text)
     assert list(target.parent.iterdir()) == [target]
+
+
+def test_two_that_write_one_file_do_not_disturb_each_other(tmp_path):
+    path = tmp_path / "summary.csv"
+    with written_whole(path) as first, written_whole(path) as second:
+        first.write_text("first")
+        second.write_text("second")
+    assert path.read_text() == "first"
+    assert list(tmp_path.iterdir()) == [path]

@@ -4,8 +4,7 @@ import pytest
 
 from indoor_explorers.evaluation import driver, exports
 from indoor_explorers.evaluation.exports.figures import write_figures
-from indoor_explorers.evaluation.harness.engines.flown_again import found_in_flights
-from indoor_explorers.evaluation.harness.engines.knowledge import with_failed_checks
+from indoor_explorers.evaluation.harness.engines.plugin_checks import found_in_flights, with_failed_checks
 from indoor_explorers.evaluation.harness.results.results import Results
 from indoor_explorers.evaluation.report.page import render
 from tests.evaluation.reports import HOSTILE, Page, Wander, results_of, task_on

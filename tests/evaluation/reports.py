@@ -1,7 +1,5 @@
 """Episodes flown on small maps for the tests of the report, and what a browser would make of a page."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass

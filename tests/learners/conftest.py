@@ -1,7 +1,5 @@
 """Fixtures of the learners' tests."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.learners.dddqn.rooms import untrained

@@ -1,15 +1,14 @@
 """The networks that ship compute the same numbers, and fly the same moves, bit for bit, whatever reads their files."""
 
-from __future__ import annotations
-
 import hashlib
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from indoor_explorers.env import World, make_policy, scenario
+from indoor_explorers.env import Policy, Scenario, World, make_policy, scenario
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
 from indoor_explorers.learners.dddqn.network.inference import q_values as dddqn_values
 from indoor_explorers.learners.dddqn.weights import load_weights as load_dddqn
@@ -17,10 +16,10 @@ from indoor_explorers.learners.dddqn.weights import shipped
 from indoor_explorers.learners.places.network import load_weights as load_places
 from indoor_explorers.learners.places.network import values
 from indoor_explorers.learners.places.policy import SHIPPED as PLACES
+from indoor_explorers.learners.thesis.inference import SHIPPED as THESIS
 from indoor_explorers.learners.thesis.inference import q_values as thesis_values
+from indoor_explorers.learners.thesis.inference import trained
 from indoor_explorers.learners.thesis.observation import LEVELS
-from indoor_explorers.learners.thesis.weights import SHIPPED as THESIS
-from indoor_explorers.learners.thesis.weights import trained
 from indoor_explorers.planners.toolbox.pockets.estimates import SHIPPED as POCKETS
 from indoor_explorers.planners.toolbox.pockets.estimates import load_weights as load_pockets
 from indoor_explorers.planners.toolbox.pockets.features import COARSE_LAYERS, FINE_LAYERS, SIDE
@@ -47,6 +46,13 @@ FLIGHTS: tuple[tuple[str, dict[str, Any], str, str], ...] = (
     ("dddqn-places", {}, "small-floors", "a5e3d421f9a5aeee"),
     ("dddqn-thesis", {}, "thesis-obstacles", "b3d2c9d7dff038e7"),
     ("frontier-predictive", {}, "small-floors", "79f57cf18dd0458b"),
+)
+#: Policy, scenario, number of UAVs, and the digest of all actions of a whole flight.
+WHOLE_FLIGHTS = (
+    ("dddqn-places", "small-floors", 1, "07a9717b145aba30"),
+    ("dddqn-places", "small-rooms", 2, "b6dda7b9d829275a"),
+    ("dddqn", "thesis-team-2", 2, "2ab5ecd33e039c77"),
+    ("dddqn", "thesis-obstacles", 1, "1568e666f0654ce8"),
 )
 
 
@@ -86,12 +92,12 @@ def found_outputs(name: str) -> NDArray[np.float32]:
             return dddqn_outputs(name)
 
 
-def flown(policy: str, name: str, **parameters: Any) -> NDArray[np.int64]:
-    world = World(scenario(name).for_evaluation().with_settings({"budget": 60, "on_collision": "block"}))
+def flight(policy: Policy, task: Scenario) -> Iterator[tuple[NDArray[np.int64], NDArray[np.int64]]]:
+    """Yield the actions and the cells of each step."""
+    world = World(task)
     world.reset([7])
-    made = make_policy(policy, **parameters)
-    steps = rollout(world, ask_pilots(made, make_pilots(made, world), world))
-    return np.stack([np.array(world.state.cell, np.int64) for _ in steps])
+    for actions in rollout(world, ask_pilots(policy, make_pilots(policy, world), world)):
+        yield np.array(actions, np.int64), np.array(world.state.cell, np.int64)
 
 
 @pytest.mark.parametrize("name", OUTPUTS)
@@ -101,4 +107,12 @@ def test_weights_give_the_values_that_they_always_gave(name: str) -> None:
 
 @pytest.mark.parametrize(("policy", "parameters", "name", "expected"), FLIGHTS)
 def test_networks_fly_as_they_always_flew(policy: str, parameters: dict[str, Any], name: str, expected: str) -> None:
-    assert digest(flown(policy, name, **parameters)) == expected
+    short = scenario(name).for_evaluation().with_settings({"budget": 60, "on_collision": "block"})
+    cells = [cells for _, cells in flight(make_policy(policy, **parameters), short)]
+    assert digest(np.stack(cells)) == expected
+
+
+@pytest.mark.parametrize(("policy", "name", "team", "expected"), WHOLE_FLIGHTS)
+def test_networks_choose_as_always_to_the_end_of_a_flight(policy: str, name: str, team: int, expected: str) -> None:
+    task = scenario(name).with_settings({"team": team})
+    assert digest(np.stack([actions for actions, _ in flight(make_policy(policy), task)])) == expected

@@ -6,9 +6,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import networkx as nx
 import numpy as np
 
-from indoor_explorers.env import Policy, World, scenario
+from indoor_explorers.env import Mate, Policy, View, World, scenario
 from indoor_explorers.env.grid.arrays import Cell, Mask
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.simulation.rollout import Uav, ask_pilots, make_pilots, rollout
@@ -81,6 +82,26 @@ def fly(
     assert world.state.collisions.sum() == 0
     complete, steps = world.team_coverage[0] >= 1.0, int(world.state.step[0])
     return Flight(complete, steps, tracks, actions, world, list(pilots.values()))
+
+
+def world_on(free: Mask, spawns: Sequence[Cell] | None = None, seed: int = 0, **settings: Any) -> World:
+    """A world at the start of an episode on a map; a setting's dot is written as two underscores."""
+    named = {key.replace("__", "."): value for key, value in settings.items()}
+    world = World(scenario("thesis-open").with_settings(named))
+    world.begin(0, seed, floorplan=Floorplan.from_free(free, "test"), spawns=spawns)
+    return world
+
+
+def view_of(belief: np.ndarray, cell: Cell, mates: tuple[Mate, ...] = (), step: int = 100) -> View:
+    """What a UAV in a cell knows: a map of which it has visited nothing, and its teammates."""
+    return View(belief, cell, np.ones(5, np.bool_), step, 400, mates, np.zeros(belief.shape, np.bool_))
+
+
+def graph_of(passable: Mask) -> nx.Graph[Cell]:
+    """The graph of the cells of a mask, each joined to its neighbours, by networkx."""
+    graph: nx.Graph[Cell] = nx.grid_2d_graph(*passable.shape)
+    graph.remove_nodes_from([(row, col) for row, col in np.argwhere(~passable).tolist()])
+    return graph
 
 
 def _end(world: World, ends: dict[int, int] | None) -> None:

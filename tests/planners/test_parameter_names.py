@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from indoor_explorers.env import make_policy
-from indoor_explorers.env.policies.registry import policy_class
+from indoor_explorers.env.policies.registry import policy_class, policy_entry_points
 from indoor_explorers.env.policies.renamed import renamed_parameters
 from indoor_explorers.evaluation.cli.parameters import policy_parameters
 from indoor_explorers.evaluation.harness.experiment.policy_facts import policy_facts
@@ -132,3 +132,8 @@ def test_a_planner_within_a_planner_is_compared_by_present_names_too() -> None:
     for rest, difference in ((12, ""), (13, "parameters.beyond.rest (13 and 12)")):
         told = {key: now[key] | {"beyond": f"{inside}'rest': {rest}}}"} for key in ("parameters", "defaults")}
         assert version_difference(before | told, now) == difference
+
+
+@pytest.mark.parametrize("name", [name for name, entry in policy_entry_points().items() if "indoor_exp" in entry.value])
+def test_a_policy_states_its_aim(name: str) -> None:
+    assert make_policy(name).plans_for

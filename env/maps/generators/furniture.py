@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.env.grid.randomness import draw
 
-#: Pieces tried for every cell of furniture that is wanted.
+#: Pieces tried for each wanted cell of furniture.
 TRIES = 1.0
 #: Of eight pieces, how many stand along a wall.
 ALONG_WALL = 6

@@ -20,7 +20,7 @@ from indoor_explorers.env.maps.base import GeneratedMaps, check_room
 
 
 class MazeMaps(GeneratedMaps):
-    """Random mazes; what the corridors' grid does not fill of the map stays solid around it."""
+    """Random mazes; the rest of the map around the grid of corridors stays solid."""
 
     source: Literal["maze"] = "maze"
     height: int = Field(65, ge=5, le=2048)

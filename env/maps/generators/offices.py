@@ -19,7 +19,7 @@ from indoor_explorers.env.maps.generators.furniture import furnish
 TABLE, AROUND = (3, 8), 2
 
 
-class Row(NamedTuple):
+class OfficeRow(NamedTuple):
     """A row of rooms beside a corridor."""
 
     top: int
@@ -84,7 +84,7 @@ class OfficesMaps(GeneratedMaps):
         furnish(free, rooms, self.furniture, rng.integers(2**64, dtype=np.uint64))
         return np.ascontiguousarray(free.T) if turned else free
 
-    def _rows(self, rng: np.random.Generator, deep: int) -> tuple[list[Row], list[int]]:
+    def _rows(self, rng: np.random.Generator, deep: int) -> tuple[list[OfficeRow], list[int]]:
         """Return the rows of rooms from the top down, and the first row of cells of each corridor."""
         smallest, largest = self.room_depth
         aisle = self.corridor + 2
@@ -92,22 +92,22 @@ class OfficesMaps(GeneratedMaps):
         fits = [count for count, depth in spare.items() if depth >= 2 * count * smallest]
         if not fits:
             depth = deep - 3 - self.corridor
-            return [Row(self.corridor + 2, depth, self.corridor + 1, broken=False)], [1]
+            return [OfficeRow(self.corridor + 2, depth, self.corridor + 1, broken=False)], [1]
         good = [count for count in fits if spare[count] <= 2 * count * largest] or fits[-1:]
         count = good[int(rng.integers(len(good)))]
         rows, corridors, top = [], [], 1
         for number, depth in enumerate(shares(rng, spare[count], 2 * count, smallest, largest)):
             if number % 2 == 0:
-                rows.append(Row(top, depth, top + depth, broken=number > 0))
+                rows.append(OfficeRow(top, depth, top + depth, broken=number > 0))
                 corridors.append(top + depth + 1)
                 top += depth + aisle
             else:
-                rows.append(Row(top, depth, top - 1, broken=number < 2 * count - 1))
+                rows.append(OfficeRow(top, depth, top - 1, broken=number < 2 * count - 1))
                 top += depth + 1
         return rows, corridors
 
     def _crossings(self, rng: np.random.Generator, long: int) -> tuple[list[int], list[tuple[int, int]]]:
-        """Return where cross corridors begin, and the (start, length) of what lies between them."""
+        """Return the starts of cross corridors, and the (start, length) of the segments between them."""
         smallest = self.room_width[0]
         for count in range(max(1, round(long / self.crossing)), 0, -1):
             spare = long - count * (self.corridor + 2)
@@ -122,9 +122,9 @@ class OfficesMaps(GeneratedMaps):
         ]
 
     def _rooms(
-        self, rng: np.random.Generator, free: Mask, row: Row, start: int, length: int
+        self, rng: np.random.Generator, free: Mask, row: OfficeRow, start: int, length: int
     ) -> Iterator[tuple[int, int, int, int]]:
-        """Build the rooms of a part of a row; give (top, left, depth, width) of those to be furnished."""
+        """Build the rooms of a part of a row; yield (top, left, depth, width) of the rooms to be furnished."""
         smallest, largest = self.room_width
         counts = max(1, -(-(length + 1) // (largest + 1))), max(1, (length + 1) // (smallest + 1))
         count = int(rng.integers(counts[0], max(counts) + 1))

@@ -15,6 +15,7 @@ from pydantic import Field, model_validator
 
 from indoor_explorers.env.grid.arrays import Mask
 from indoor_explorers.env.maps.base import GeneratedMaps, check_room, check_sizes
+from indoor_explorers.env.search.connected_parts import spanning_tree
 
 #: The chance that a leaf is left as it is when it could be split and need not be.
 WHOLE = 0.5
@@ -115,17 +116,13 @@ class RoomsMaps(GeneratedMaps):
         self, rng: np.random.Generator, leaves: list[Rectangle], rooms: list[Rectangle], shape: tuple[int, int]
     ) -> NDArray[np.int64]:
         """Return (n, 2) pairs of rooms to join, the upper or left one first: a tree of short ways, and some loops."""
-        from scipy import sparse  # here, since it takes long to import
-
         pairs = neighbours(leaves, shape)
         if not len(pairs):
             return pairs
         corners = np.array(rooms)
         middles = corners[:, :2] + corners[:, 2:] / 2.0
         ways = np.abs(middles[pairs[:, 0]] - middles[pairs[:, 1]]).sum(axis=1) + rng.random(len(pairs))
-        graph = sparse.coo_array((ways, (pairs[:, 0], pairs[:, 1])), shape=(len(rooms), len(rooms)))
-        tree = sparse.csgraph.minimum_spanning_tree(graph.tocsr()).tocoo()
-        needed = np.isin(pairs @ [len(rooms), 1], tree.row.astype(np.int64) * len(rooms) + tree.col)
+        needed = spanning_tree(pairs, ways, len(rooms))
         return pairs[needed | (rng.random(len(pairs)) < self.loops)]
 
     def _carve(self, rng: np.random.Generator, free: Mask, line: int, one: Rectangle, other: Rectangle) -> None:

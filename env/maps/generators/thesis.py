@@ -1,6 +1,6 @@
-"""The thesis's random rooms: rectangles thrown into an open rectangle (MarsExplorer's generator).
+"""The thesis's random rooms: rectangular obstacles at random places of an open rectangle (MarsExplorer's generator).
 
-Compiled and drawn from a counter-based stream, so that thousands of episodes start in a moment.
+The generator is compiled and draws from a counter-based stream, so that thousands of episodes start quickly.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from pydantic import Field, model_validator
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED
 from indoor_explorers.env.grid.compiled import leaf
 from indoor_explorers.env.grid.randomness import Stream, below, stream_key
-from indoor_explorers.env.maps.base import BaseMaps
+from indoor_explorers.env.maps.base import BaseMaps, check_sizes
 from indoor_explorers.env.maps.floorplan import Floorplan
 
 
@@ -76,7 +76,7 @@ class ThesisMaps(BaseMaps):
     width: int = Field(16, ge=2, le=2048)
     """Cells."""
     obstacles: int = Field(5, ge=0, le=100_000)
-    """Rectangles thrown in; they may overlap."""
+    """Number of rectangular obstacles; they may overlap."""
     obstacle_size: tuple[int, int] = (3, 3)
     """Smallest and largest side of a rectangle in cells."""
     margin: int = Field(1, ge=0)
@@ -90,9 +90,7 @@ class ThesisMaps(BaseMaps):
 
     @model_validator(mode="after")
     def _consistent(self) -> ThesisMaps:
-        smallest, largest = self.obstacle_size
-        if not 1 <= smallest <= largest:
-            raise ValueError(f"obstacle_size is {[smallest, largest]}, expected 1 <= smallest <= largest")
+        check_sizes("obstacle_size", self.obstacle_size)
         if (self.rows > 0) != (self.columns > 0):
             raise ValueError(f"rows is {self.rows} and columns {self.columns}, expected both or neither above 0")
         if self.noise > 0 and self.rows == 0:

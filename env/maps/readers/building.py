@@ -1,6 +1,7 @@
 """Floors of buildings as rooms and portals in XML: the schools and offices of Luperto and Amigoni.
 
-Format: https://github.com/goldleaf3i/generativeCMLgraphs. Read are the scale, the corners of each space's
+Format: https://github.com/goldleaf3i/generativeCMLgraphs. Files may come from anywhere: size and depth are
+limited, and document types, which declare entities, are refused. Read are the scale, the corners of each space's
 ``bounding_polygon``, x to the right and y downwards, and its line segments of the class PORTAL.
 """
 
@@ -17,10 +18,13 @@ from numpy.typing import NDArray
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
-from indoor_explorers.env.maps.readers.opening import Fits
+from indoor_explorers.env.maps.readers.opening import Fits, one_line, read_bytes
 from indoor_explorers.env.maps.readers.sheet import PIXEL, Sheet, within
-from indoor_explorers.env.maps.readers.xml_tree import read_xml
 
+#: The most bytes a file may have; real ones have up to half a million.
+MAX_BYTES = 2_000_000
+#: The deepest nesting of elements; real files have eight levels.
+MAX_DEPTH = 32
 #: Metres around the rooms.
 MARGIN = 1.0
 #: Doors are opened this wide, in metres, around the middle of a portal.
@@ -78,6 +82,42 @@ def parse_building(path: Path) -> Building:
     doors = [_points(path, segment) * scale for segment in segments if segment.findtext("class") == "PORTAL"]
     middles = [door.mean(axis=0) for door in doors if len(door)]
     return Building(outlines=[outline for outline in outlines if len(outline)], portals=np.reshape(middles, (-1, 2)))
+
+
+class _Builder(ElementTree.TreeBuilder):
+    """Build the tree of a document that has no document type and is not nested deeply."""
+
+    depth = 0
+
+    def doctype(self, name: str, public: str | None, system: str | None) -> None:
+        raise ValueError("a DOCTYPE, which may declare entities")
+
+    def start(self, tag: str, attrs: dict[str, str]) -> ElementTree.Element:
+        self.depth += 1
+        if self.depth > MAX_DEPTH:
+            raise ValueError(f"elements nested deeper than {MAX_DEPTH} levels")
+        return super().start(tag, attrs)
+
+    def end(self, tag: str) -> ElementTree.Element:
+        self.depth -= 1
+        return super().end(tag)
+
+
+def read_xml(path: Path, root: str) -> ElementTree.Element:
+    """Return the root element of an XML file, which must have the tag ``root``.
+
+    Raises :class:`InputError` for a file that is no XML, too large, too deep, or has a document type.
+    """
+    text = read_bytes(path, MAX_BYTES, "an XML map")
+    parser = ElementTree.XMLParser(target=_Builder())
+    try:
+        parser.feed(text)
+        element = parser.close()
+    except (ElementTree.ParseError, ValueError, LookupError) as error:
+        raise InputError(f"{path}: expected plain XML, got {one_line(error)}; correct it") from error
+    if element.tag != root:
+        raise InputError(f"{path}: expected the element <{root}>, got <{element.tag[:40]}>; is it a floor of rooms?")
+    return element
 
 
 def _scale(path: Path, root: ElementTree.Element) -> float:

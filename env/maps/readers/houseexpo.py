@@ -16,8 +16,7 @@ from PIL import Image, ImageDraw
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED
-from indoor_explorers.env.maps.readers.image import MAX_PIXELS
-from indoor_explorers.env.maps.readers.json_text import finite, kind, shown
+from indoor_explorers.env.maps.readers.opening import MAX_PIXELS, finite, kind, shown
 
 #: Metres a cell where none are asked for.
 RESOLUTION = 0.1

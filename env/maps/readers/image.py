@@ -1,9 +1,8 @@
-"""Pictures of maps: grey levels and colours from PNG, PGM and BMP files; damaged and malicious files are refused."""
+"""Pictures of maps: PNG, PGM and BMP files, damaged and malicious ones refused, and the cells of plain pictures."""
 
 from __future__ import annotations
 
 import re
-import warnings
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,16 +11,24 @@ from numpy.typing import NDArray
 from PIL import Image, UnidentifiedImageError
 
 from indoor_explorers.env.errors import InputError
-from indoor_explorers.env.grid.arrays import Mask
-from indoor_explorers.env.maps.readers.opening import Fits, check_file, one_line
-
-#: The most pixels a picture may have (6,000 x 6,000), so that decoding it cannot exhaust the memory.
-MAX_PIXELS = 36_000_000
+from indoor_explorers.env.grid.arrays import Belief, Cell, Mask
+from indoor_explorers.env.grid.cells import FREE, OCCUPIED
+from indoor_explorers.env.maps.readers.opening import MAX_PIXELS, Fits, check_pixels, decoding
 
 #: The most bytes of a PNM picture in text (P1 to P3), and the most comments in it.
 MAX_TEXT, MAX_COMMENTS = 10_000_000, 1_000
 #: The most bytes of the header of a PNM picture; real ones have about 100.
 MAX_HEADER = 10_000
+#: A pixel is free above this luminance (0 black, 255 white).
+FREE_LUMINANCE = 127.5
+#: A pixel is coloured when its strongest channel is this far above its weakest (0 grey, 255 pure).
+COLOURED = 128
+#: Grey levels that mark the start: DungeonMaps' yellow spot as scikit-image (208) and Pillow (203) turn it to grey.
+START_LEVELS = (208, 203)
+#: A picture of more grey levels than this is a photograph or a scan, where a level means nothing.
+MOST_LEVELS = 4
+#: A mark covers at most this share of the picture, or a single pixel.
+LARGEST_MARK = 0.1
 
 _FORMATS = ("PNG", "PPM", "BMP")
 _DEEP = ("I", "I;16", "I;16B", "I;16L", "I;16N")
@@ -63,29 +70,19 @@ def read_picture(path: Path, fits: Fits | None = None, metres: float = 1.0) -> P
 
     Raises :class:`InputError` with one line for a file that is missing, truncated, too large or no picture.
     """
-    check_file(path)
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            _check_pnm(path)
+    with decoding(path, "a whole picture"):
+        _check_pnm(path)
+        try:
             return _decode(path, fits, metres)
-    except InputError:
-        raise
-    except UnidentifiedImageError as error:
-        received = "an empty file" if path.stat().st_size == 0 else "a file of another kind, or a broken header"
-        raise InputError(f"{path}: expected a PNG, PGM or BMP picture, got {received}; save it again") from error
-    except Image.DecompressionBombError as error:
-        raise InputError(f"{path}: expected at most {MAX_PIXELS:,} pixels, got far more; scale it down") from error
-    except OSError as error:
-        raise InputError(
-            f"{path}: cannot be read: {error.strerror or one_line(error)}; check or save it again"
-        ) from error
-    except Exception as error:  # on broken files Pillow's decoders raise whatever their parsing trips over
-        raise InputError(f"{path}: expected a whole picture, got a broken one: {one_line(error)}; save it") from error
+        except UnidentifiedImageError as error:
+            received = "an empty file" if path.stat().st_size == 0 else "a file of another kind, or a broken header"
+            raise InputError(f"{path}: expected a PNG, PGM or BMP picture, got {received}; save it again") from error
+        except Image.DecompressionBombError as error:
+            raise InputError(f"{path}: expected at most {MAX_PIXELS:,} pixels, got far more; scale it down") from error
 
 
 def _check_pnm(path: Path) -> None:
-    """Refuse a PNM picture with so long a header or text that Pillow, which reads them bytewise, would take minutes."""
+    """Refuse a PNM picture with a long header or text, which Pillow reads byte by byte."""
     with path.open("rb") as file:
         head = file.read(MAX_HEADER)
         words = re.sub(rb"#[^\r\n]*", b"", head).split(maxsplit=4)
@@ -106,10 +103,7 @@ def _check_pnm(path: Path) -> None:
 def _decode(path: Path, fits: Fits | None, metres: float) -> Picture:
     with Image.open(path, formats=_FORMATS) as image:
         width, height = image.size
-        if width * height > MAX_PIXELS:
-            raise InputError(
-                f"{path}: expected at most {MAX_PIXELS:,} pixels, got {height:,} x {width:,}; scale it down"
-            )
+        check_pixels(path, (height, width))
         if fits is not None:
             fits((height, width), metres)
         if image.mode in _DEEP:
@@ -125,3 +119,56 @@ def _decode(path: Path, fits: Fits | None, metres: float) -> Picture:
 
 def _split(pixels: NDArray[np.uint8]) -> Picture:
     return Picture(pixels[..., :-1], np.asarray(pixels[..., -1] == 255), pixels[..., -1])
+
+
+def read_plain(path: Path, fits: Fits | None = None) -> tuple[Belief, Cell | None]:
+    """Read a plain picture; return (H, W) uint8 cells, 1 free or 2 occupied, and the marked start pixel, if any.
+
+    A pixel is free above :data:`FREE_LUMINANCE` and in the mark, see :func:`find_mark`. Transparent pixels are white.
+    The start is the pixel of the mark that is nearest to its middle. ``fits`` is called with one metre a pixel.
+    """
+    picture = read_picture(path, fits).on_white()
+    free = picture.luminance() > FREE_LUMINANCE
+    mark = find_mark(picture)
+    start = None
+    if mark is not None:
+        free |= mark
+        pixels = np.argwhere(mark)
+        row, col = pixels[int(np.argmin(((pixels - pixels.mean(axis=0)) ** 2).sum(axis=1)))]
+        start = int(row), int(col)
+    return np.where(free, FREE, OCCUPIED).astype(np.uint8), start
+
+
+def find_mark(picture: Picture) -> Mask | None:
+    """Return the (H, W) mask of the start mark, or None where a picture has none.
+
+    In a colour picture the mark is the only spot of strong colour, whatever the colour; in a grey one of few levels
+    it is the only spot of one of :data:`START_LEVELS`, the convention of DungeonMaps and ARiADNE (Cao et al. 2023).
+    Pixels of a spot touch by sides or corners. Several spots, or a large one, are part of a drawing.
+    """
+    channels = picture.channels
+    spread = _spread(channels)
+    if spread.any():
+        return _only_spot(spread >= COLOURED)
+    grey: NDArray[np.uint8] = channels[..., 0]
+    levels = np.flatnonzero(np.bincount(grey.ravel(), minlength=256))
+    if len(levels) > MOST_LEVELS:
+        return None
+    found = [level for level in START_LEVELS if level in levels]
+    return _only_spot(grey == found[0]) if found else None
+
+
+def _spread(channels: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Return the (H, W) difference of each pixel's strongest and weakest channel."""
+    low = high = channels[..., 0]
+    for k in range(1, channels.shape[2]):
+        low, high = np.minimum(low, channels[..., k]), np.maximum(high, channels[..., k])
+    return np.asarray(high - low)
+
+
+def _only_spot(mask: Mask) -> Mask | None:
+    from scipy import ndimage  # here, since it takes long to import
+
+    if not 0 < mask.sum() <= max(1.0, LARGEST_MARK * mask.size):
+        return None
+    return mask if ndimage.label(mask, np.ones((3, 3), np.int8))[1] == 1 else None

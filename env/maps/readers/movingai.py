@@ -13,12 +13,11 @@ import numpy as np
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
-from indoor_explorers.env.maps.readers.image import MAX_PIXELS
-from indoor_explorers.env.maps.readers.opening import read_bytes
+from indoor_explorers.env.maps.readers.opening import MAX_PIXELS, check_pixels, read_bytes
 
-#: Ground, and swamp, which is slow to walk through and no obstacle to a UAV.
+#: Ground, and swamp, which is no obstacle to a UAV.
 PASSABLE = ".GS"
-#: Out of bounds, trees, and water, which is open only to those that come from water.
+#: Out of bounds, trees, and water, which is passable only from water.
 SOLID = "@OTW"
 #: The most bytes of a file: one for each cell that a picture may have, and line ends.
 MAX_BYTES = 3 * MAX_PIXELS
@@ -76,8 +75,7 @@ def _parse_header(path: Path, data: bytes) -> tuple[int, int, int]:
     if facts.get("type", "octile") not in TYPES:
         raise InputError(f"{path}: expected type octile, got {facts['type'][:40]!r}; only square grids can be read")
     height, width = (_side(path, facts, name) for name in ("height", "width"))
-    if height * width > MAX_PIXELS:
-        raise InputError(f"{path}: expected at most {MAX_PIXELS:,} cells, got {height:,} x {width:,}; scale it down")
+    check_pixels(path, (height, width), "cells")
     return height, width, place
 
 
@@ -91,7 +89,7 @@ def _side(path: Path, facts: dict[str, str], name: str) -> int:
 
 
 def _first_wrong_line(text: np.ndarray, height: int, width: int) -> str:
-    """Say where the rows differ from what the header promises."""
+    """Describe the first difference between the rows and the header."""
     if len(text) > height * (width + 1) + 1_000:
         return f"expected {height} rows of {width} characters, got far more"
     ends = np.flatnonzero(np.append(text, np.uint8(ord("\n"))) == ord("\n"))

@@ -5,7 +5,6 @@ Format: https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html.
 
 from __future__ import annotations
 
-import warnings
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -16,13 +15,12 @@ from numpy.typing import NDArray
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
-from indoor_explorers.env.maps.readers.image import MAX_PIXELS
-from indoor_explorers.env.maps.readers.opening import Fits, check_file, one_line
+from indoor_explorers.env.maps.readers.opening import Fits, check_pixels, decoding
 
 #: Occupancies between these are unknown, as map_server's are by default.
 FREE_BELOW, OCCUPIED_ABOVE = 0.196, 0.65
 
-#: The most bytes of a header; numpy reads no longer ones either, but makes room for what they promise first.
+#: The most bytes of a header; numpy allocates the promised length before it refuses a longer one.
 MAX_HEADER = 10_000
 
 _HEADERS = {(1, 0): (npy.read_array_header_1_0, 2), (2, 0): (npy.read_array_header_2_0, 4)}
@@ -42,27 +40,18 @@ def read_npy(path: Path, fits: Fits | None = None) -> Belief:
 
     Raises :class:`InputError` with one line that says what is wrong with the file. Nothing is ever unpickled.
     """
-    check_file(path)
-    try:
-        with warnings.catch_warnings(), path.open("rb") as file:
-            warnings.simplefilter("ignore")
-            shape, dtype = _parse_header(path, file)
-            _check(path, shape, dtype)
-            if fits is not None:
-                fits((shape[0], shape[1]), 1.0)
-            file.seek(0)
-            array = np.load(file, allow_pickle=False)
-    except InputError:
-        raise
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror or one_line(error)}; check it") from error
-    except Exception as error:  # numpy's header parser raises whatever broken input trips it over
-        raise InputError(f"{path}: expected a file of numpy.save, got {one_line(error)}; save it again") from error
+    with decoding(path, "a file of numpy.save"), path.open("rb") as file:
+        shape, dtype = _parse_header(path, file)
+        _check(path, shape, dtype)
+        if fits is not None:
+            fits((shape[0], shape[1]), 1.0)
+        file.seek(0)
+        array = np.load(file, allow_pickle=False)
     return occupancy(path, array)
 
 
 def _parse_header(path: Path, file: BinaryIO) -> tuple[tuple[int, ...], np.dtype[Any]]:
-    """Return shape and type of the array, whose data the file really holds."""
+    """Return shape and type of the array; refuse a file with less data than these need."""
     version = npy.read_magic(file)
     if version not in _HEADERS:
         raise InputError(f"{path}: expected numpy's format 1.0 or 2.0, got {version[0]}.{version[1]}; save it again")
@@ -87,8 +76,7 @@ def _check(path: Path, shape: tuple[int, ...], dtype: np.dtype[Any]) -> None:
         raise InputError(f"{path}: expected bools, integers or floats, got {str(dtype)[:40]}; save one of these")
     if len(shape) != 2 or min(shape) < 1:
         raise InputError(f"{path}: expected rows and columns, got an array of shape {str(shape)[:60]}; save one map")
-    if shape[0] * shape[1] > MAX_PIXELS:
-        raise InputError(f"{path}: expected at most {MAX_PIXELS:,} cells, got {shape[0]:,} x {shape[1]:,}; scale it")
+    check_pixels(path, shape, "cells")
 
 
 def occupancy(path: Path, values: NDArray[Any]) -> Belief:
@@ -114,7 +102,7 @@ def occupancy(path: Path, values: NDArray[Any]) -> Belief:
 
 
 def inverted_notes(path: Path, cells: Belief) -> tuple[str, ...]:
-    """Return a line where a file of bools, which was read as (H, W) ``cells``, looks like a mask of what is free."""
+    """Return a warning if a file of bools, read as (H, W) ``cells``, looks like a mask of the free cells."""
     with path.open("rb") as file:
         _, dtype = _parse_header(path, file)
     free, border = cells == FREE, np.ones(cells.shape, np.bool_)

@@ -1,17 +1,26 @@
-"""Open map files: regular files of a bounded size, and nothing else."""
+"""Open map files of bounded size, JSON in particular, and describe their faults in one line."""
 
 from __future__ import annotations
 
+import json
+import math
 import stat
-from collections.abc import Callable
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 from indoor_explorers.env.errors import InputError
 
+#: The most bytes of a JSON file; real ones have some thousand to half a million.
+MAX_JSON_BYTES = 4_000_000
+#: The most pixels a map file may have (6,000 x 6,000), so that decoding it cannot exhaust the memory.
+MAX_PIXELS = 36_000_000
+
 Fits: TypeAlias = Callable[[tuple[int, int], float], object]
-"""A check of a map's (H, W) in pixels and metres a pixel, which a reader calls as soon as it has read the header: it
-raises :class:`InputError` if they make no usable map, before anything is decoded."""
+"""A check of a map's (H, W) in pixels and metres a pixel, which a reader calls after the header and before decoding: it
+raises :class:`InputError` if the map would be unusable."""
 
 
 def check_file(path: Path) -> None:
@@ -38,6 +47,59 @@ def read_bytes(path: Path, most: int, what: str) -> bytes:
         return path.read_bytes()
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}; check its permissions") from error
+
+
+def check_pixels(path: Path, shape: tuple[int, ...], what: str = "pixels") -> None:
+    """Raise :class:`InputError` for a map of more than :data:`MAX_PIXELS` pixels, (H, W); ``what`` names these."""
+    height, width = shape
+    if height * width > MAX_PIXELS:
+        raise InputError(f"{path}: expected at most {MAX_PIXELS:,} {what}, got {height:,} x {width:,}; scale it down")
+
+
+@contextmanager
+def decoding(path: Path, what: str) -> Iterator[None]:
+    """Turn every error of a decoder of a regular file into :class:`InputError`; ``what`` names the expected content."""
+    check_file(path)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            yield
+    except InputError:
+        raise
+    except OSError as error:
+        reason = error.strerror or one_line(error)
+        raise InputError(f"{path}: cannot be read: {reason}; check it, or save it again") from error
+    except Exception as error:  # decoders raise many kinds of errors on broken files
+        raise InputError(f"{path}: expected {what}, got {one_line(error)}; save it again") from error
+
+
+def read_json(path: Path) -> Any:
+    """Return the content of a JSON file; raise :class:`InputError` if it is none."""
+    text = read_bytes(path, MAX_JSON_BYTES, "a JSON map")
+    try:
+        return json.loads(text, parse_int=float)  # in linear time for any number of digits
+    except RecursionError as error:
+        raise InputError(f"{path}: expected a JSON map, got JSON nested too deeply; is it one?") from error
+    except ValueError as error:
+        raise InputError(f"{path}: expected JSON, got {one_line(error)}; correct it") from error
+
+
+def shown(value: Any) -> str:
+    """Return a short description of a JSON value."""
+    if isinstance(value, list):
+        return f"a list of {len(value)}" if len(value) != 2 else f"[{', '.join(shown(part) for part in value)}]"
+    return repr(value)[:30] if isinstance(value, float | str | bool) else f"a JSON {kind(value)}"
+
+
+def finite(value: Any) -> bool:
+    """Tell whether a JSON value is a finite number."""
+    return isinstance(value, float) and math.isfinite(value)
+
+
+def kind(value: Any) -> str:
+    """Return the JSON name of the type of a value."""
+    names = {dict: "object", list: "list", str: "text", float: "number", bool: "true or false"}
+    return names.get(type(value), "null")
 
 
 def one_line(error: Exception) -> str:

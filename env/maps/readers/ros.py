@@ -52,7 +52,7 @@ class RosMap:
     free_thresh: float = 0.196
     """A pixel is free below this occupancy (0 to 1)."""
     yaw: float = 0.0
-    """Rotation of the picture in the world, radians; it is told and ignored."""
+    """Rotation of the picture in the world, radians; a note reports it, and it is otherwise ignored."""
     scale: bool = False
     """True in map_server's mode ``scale``, where transparent pixels are unknown."""
 
@@ -60,10 +60,9 @@ class RosMap:
 def read_ros(path: Path, fits: Fits | None = None) -> tuple[Belief, float]:
     """Read a map_server map; return its (H, W) uint8 cells (0 unknown, 1 free, 2 occupied) and metres a pixel.
 
-    The thresholds act as in map_server's mode ``trinary``. Mode ``scale`` differs in transparent pixels
-    only, which are unknown: its shades between the thresholds are neither free nor occupied. Mode ``raw`` is refused,
-    since its values are not occupancies. The origin, with its yaw, is checked and ignored. ``fits`` checks the
-    picture's size before it is decoded.
+    The thresholds act as in map_server's mode ``trinary``; in mode ``scale`` transparent pixels are unknown. Mode
+    ``raw`` is refused, since its values are not occupancies. The origin, with its yaw, is checked and ignored. ``fits``
+    checks the picture's size before it is decoded.
     """
     facts = parse_ros(path)
     try:

@@ -13,8 +13,7 @@ from PIL import Image, ImageDraw
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Mask
-from indoor_explorers.env.maps.readers.image import MAX_PIXELS
-from indoor_explorers.env.maps.readers.opening import Fits
+from indoor_explorers.env.maps.readers.opening import MAX_PIXELS, Fits
 
 #: Metres a pixel.
 PIXEL = 0.1
@@ -70,7 +69,7 @@ class Sheet:
         return np.array(image)
 
     def discs(self, centres: NDArray[np.float64], diameter: float) -> Mask:
-        """Fill discs around (n, 2) centres in metres, those beyond the sheet left out; return the (H, W) mask."""
+        """Fill discs around (n, 2) centres in metres, except for those beyond the sheet; return the (H, W) mask."""
         image, draw = self._blank()
         radius = diameter / 2 / PIXEL
         for x, y in self._pixels(centres):

@@ -15,14 +15,13 @@ from numpy.typing import NDArray
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Belief, Mask
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
-from indoor_explorers.env.maps.readers.json_text import finite, kind, shown
-from indoor_explorers.env.maps.readers.opening import Fits
+from indoor_explorers.env.maps.readers.opening import Fits, finite, kind, shown
 from indoor_explorers.env.maps.readers.sheet import PIXEL, Sheet, within
 from indoor_explorers.env.search.connected_parts import connected_parts
 
 #: Metres around the walls.
 MARGIN = 2.0
-#: The outside is what a disc of this radius in metres can reach: facades with gaps up to twice as wide are closed.
+#: Radius in metres of the disc that determines the outside: gaps of a facade up to twice as wide are closed.
 FACADE = 0.8
 #: The most segments a file may have; the largest real one has 6,444.
 MAX_SEGMENTS = 20_000
@@ -31,8 +30,8 @@ MAX_SEGMENTS = 20_000
 def read_vectormap(path: Path, data: Any, fits: Fits | None = None) -> tuple[Belief, float]:
     """Draw the segments of a file's JSON ``data``; return (H, W) uint8 cells and metres a pixel.
 
-    The walls are occupied (2), what lies beyond the facade is unknown (0) and all else is free (1). ``fits`` checks
-    the size before anything is drawn.
+    Walls are occupied (2), cells beyond the facade unknown (0) and all others free (1). ``fits`` checks the size before
+    anything is drawn.
 
     Raises :class:`InputError` with one line that says what is wrong with the file.
     """
@@ -51,7 +50,7 @@ def read_vectormap(path: Path, data: Any, fits: Fits | None = None) -> tuple[Bel
 
 
 def outside(walls: Mask) -> Mask:
-    """Mark the (H, W) pixels, walls at its edge too, that the disc of :data:`FACADE` reaches from the upper left."""
+    """Mark the (H, W) pixels that a disc of radius :data:`FACADE` reaches from the upper left, with adjacent walls."""
     radius = round(FACADE / PIXEL)
     places, _ = connected_parts(~within(walls, radius))
     return within(places == places[0, 0], radius + 1)

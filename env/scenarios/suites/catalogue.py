@@ -1,4 +1,4 @@
-"""The suites that ship, a TOML file each, ``NAME-VERSION.toml``; older versions stay, so that results are known."""
+"""The shipped suites, a TOML file each, ``NAME-VERSION.toml``; older versions stay for their results."""
 
 from __future__ import annotations
 
@@ -29,12 +29,7 @@ def suites() -> dict[str, Suite]:
 
 
 def suite_of(name: str) -> Suite:
-    """Return the latest version of a suite.
-
-    Raises:
-        InputError: there is no suite of that name.
-
-    """
+    """Return the latest version of a suite; raise :class:`InputError` if there is no suite of that name."""
     known = suites()
     if name not in known:
         raise InputError(f"unknown suite {name!r}{did_you_mean(name, known)}")
@@ -53,12 +48,12 @@ def buildings() -> dict[str, str]:
 
 
 def digests_of(name: str) -> list[str]:
-    """Return the digests of maps and layouts of a part, such as ``floors/train``, of all versions.
+    """Return the digests of maps and layouts of a part, such as ``floors/train``; a digest stays as it is.
 
-    A digest is returned as it is.
+    All versions of the suite count.
 
     Raises:
-        InputError: there is no suite or no part of that name, or its maps are generated: their seeds tell them.
+        InputError: there is no suite or no part of that name, or its maps are generated from seeds.
 
     """
     title, slash, part = name.partition("/")

@@ -1,4 +1,4 @@
-"""The map files of a suite in clones of the repositories that they are from: found, and checked by their checksums."""
+"""Find the map files of a suite in clones of their repositories, and verify their checksums."""
 
 from __future__ import annotations
 
@@ -42,10 +42,10 @@ def how_to_fetch(home: Repository) -> str:
 
 
 def maps_of(suite: Suite, part: Part, data: Sequence[Path], only: Sequence[str] = ()) -> MapSource:
-    """Return where the maps of a part come from, all of them or those whose names or buildings match a pattern.
+    """Return the source of the maps of a part, all of them or those whose names or buildings match a pattern.
 
     Raises:
-        InputError: files are missing or not those of the suite, or maps are not read or drawn as the suite has them.
+        InputError: files are missing or differ from the suite's, or maps are read or drawn differently.
 
     """
     if suite.map is not None:

@@ -1,4 +1,4 @@
-"""A suite: a fixed, versioned list of tasks in three parts, which share no building, no map and no seed."""
+"""A suite: a fixed, versioned list of tasks in three parts that share no building, no map and no seed."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ ALONE = {"": Radio()}
 
 
 class Part(StrEnum):
-    """What the tasks of a part are for."""
+    """The use of a part's tasks."""
 
     TRAIN = "train"
     """Training."""
@@ -36,11 +36,11 @@ class _Table(BaseModel):
 
 
 class SuiteMap(_Table):
-    """A map file of somebody else's repository."""
+    """A map file of a public repository."""
 
     part: Part
     building: str
-    """Maps of one building are alike: they are in one part, and count as one where intervals are made."""
+    """Maps of one building are similar: they are in one part, and count as one cluster in confidence intervals."""
     cells: int
     """Free cells at the resolution of the suite."""
     digest: str
@@ -84,7 +84,7 @@ class GeneratedPart(_Table):
     maps: int = Field(ge=1)
     """Number of maps."""
     digest: str
-    """:func:`digest_of` the maps, by which a generator that draws other maps is noticed."""
+    """:func:`digest_of` the maps, which detects a changed generator."""
 
 
 class Suite(_Table):
@@ -94,13 +94,13 @@ class Suite(_Table):
     version: int = Field(ge=1)
     """A suite never changes: with any other task it is another version."""
     about: str
-    """What the maps are, in a line."""
+    """Description of the maps, in a line."""
     split: str
-    """How the maps are divided into parts, in a line."""
+    """Description of the division into parts, in a line."""
     preset: str | None = None
     """The scenario that the tasks are variants of; None: the default scenario of map files."""
     settings: dict[str, Any] = {}
-    """What differs from that scenario, by dotted keys."""
+    """Changed settings of that scenario, by dotted keys."""
     teams: tuple[int, ...] = (1, 2, 4)
     """Numbers of UAVs."""
     radios: dict[str, Radio]
@@ -139,7 +139,7 @@ class Suite(_Table):
         return {each.building for _, each in self.maps(part)}
 
     def seeds(self, part: Part) -> range:
-        """Return the seeds that are flown on each map, or whose maps a generator makes."""
+        """Return the seeds that are flown on each map, or those of the generated maps."""
         first = seeds_of(part).first
         return range(first, first + (self.starts if self.map is None else self.parts[part].maps))
 
@@ -153,9 +153,9 @@ class Suite(_Table):
         """Return the scenarios as comparisons fly them, all of them or those of some teams and radios.
 
         Args:
-            maps: where maps come from; None for the generator, and for a stand-in where maps are files.
-            teams: numbers of UAVs.
-            radios: names of radios; scenarios of one UAV have none.
+            maps: The source of maps; None for the generator, or for a placeholder of map files.
+            teams: Numbers of UAVs.
+            radios: Names of radios; scenarios of one UAV have none.
 
         """
         source = maps or self.map or FileMaps(paths=(self.name,), resolution=self.resolution)

@@ -1,9 +1,9 @@
-"""What linked agents, and the home base, exchange where maps can be wrong, compiled.
+"""The exchange of linked agents and the home base in worlds with errors, compiled.
 
-Agents send scans and the poses that they now give them, their own and those of others, and never sums: so no reading
-counts twice, and whoever hears of a corrected path draws its map again. Bytes are counted at the sender: ``CELL_BYTES``
-for each reading of a scan that is new to the receiver, ``POSITION_BYTES`` for a corrected pose, and positions and
-messages as in :mod:`indoor_explorers.env.simulation.radio`.
+Agents send scans with their current pose estimates, their own and those of others, and never sums: so no reading counts
+twice, and a receiver of corrected poses draws its map again. Bytes are counted at the sender: ``CELL_BYTES`` for each
+reading of a scan that is new to the receiver, ``POSITION_BYTES`` for a corrected pose, and positions and messages as in
+:mod:`indoor_explorers.env.simulation.radio`.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from indoor_explorers.env.grid.compiled import inner, leaf
 from indoor_explorers.env.simulation.radio import CELL_BYTES, POSITION_BYTES, hear
 from indoor_explorers.env.simulation.slam.maps import move_scan
 from indoor_explorers.env.simulation.slam.scans import read_scan
-from indoor_explorers.env.simulation.slam.state import Parts, Slam
+from indoor_explorers.env.simulation.slam.state import Slam, SlamParts
 from indoor_explorers.env.simulation.state import State
 
 
@@ -31,7 +31,7 @@ def _takes_part(state: State, b: int, component: np.ndarray, root: int, holder: 
 def _freshest(
     state: State, slam: Slam, b: int, agent: int, component: np.ndarray, root: int, based: bool
 ) -> tuple[int, bool]:
-    """Return who of a component knows most of an agent's path, and whether another one knows less."""
+    """Return the holder in a component with the most scans of an agent's path, and whether another one has fewer."""
     source, behind = root, False
     for holder in range(slam.scans.shape[1]):
         if holder != root and _takes_part(state, b, component, root, holder, based):
@@ -42,8 +42,8 @@ def _freshest(
 
 
 @leaf(entry=False)
-def _send(parts: Parts, b: int, agent: int, component: np.ndarray, root: int, source: int, based: bool) -> None:
-    """Bring all of a component up to what ``source`` has of an agent's path."""
+def _send(parts: SlamParts, b: int, agent: int, component: np.ndarray, root: int, source: int, based: bool) -> None:
+    """Copy an agent's path from ``source`` to all holders of a component."""
     state, slam = parts.state, parts.slam
     team, holders = state.end.shape[1], slam.scans.shape[1]
     known, revision = slam.scans[b, source, agent], slam.revision[b, source, agent]
@@ -71,7 +71,7 @@ def _send(parts: Parts, b: int, agent: int, component: np.ndarray, root: int, so
 
 
 @inner()
-def share(parts: Parts, b: int, based: bool) -> None:
+def share(parts: SlamParts, b: int, based: bool) -> None:
     """Exchange scans, positions and messages within each component; ``based``: the base is in contact."""
     state, slam, component, team = parts.state, parts.slam, parts.work.component, parts.state.end.shape[1]
     for root in range(team):

@@ -1,11 +1,11 @@
-"""Localisation, compiled: pose estimates that drift, and what corrects them.
+"""Localisation, compiled: drifting pose estimates and their corrections.
 
-A UAV believes that its moves end where they should. After each cell flown, with a set probability, it slips by one
-cell in a random direction, if that cell is open, and does not notice. A UAV that comes back to a cell in which it has
-been before, some steps ago and with a surer pose, takes the pose estimate of then (loop closure), and one that sees a
-teammate with a surer pose, and is linked to it, takes the pose that follows from the teammate's. The correction is
-spread over the path since the last pose as sure as the new one, in proportion to the cells flown, and the map is drawn
-again. The variance of a pose is that of a random walk; of a path between two corrected poses that of a Brownian bridge.
+Pose estimates follow the intended moves. After each cell flown, with a set probability, a UAV slips unnoticed by one
+cell in a random direction, if that cell is open. A UAV that returns to a cell that it visited some steps ago with a
+lower variance adopts the pose estimate of that visit (loop closure). A UAV that is linked to a visible teammate with a
+lower variance adopts the pose that follows from the teammate's. The correction is distributed over the path since the
+last pose of at most the new variance, in proportion to the cells flown, and the map is drawn again. The variance of a
+pose is that of a random walk; between two corrected poses that of a Brownian bridge.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ from indoor_explorers.env.grid.lines import walls_between
 from indoor_explorers.env.grid.randomness import uniform
 from indoor_explorers.env.sensing.lidar import LidarModel
 from indoor_explorers.env.simulation.slam.maps import redraw
-from indoor_explorers.env.simulation.slam.state import ErrorRules, Parts, Slam
+from indoor_explorers.env.simulation.slam.state import ErrorRules, Slam, SlamParts
 from indoor_explorers.env.simulation.state import End, State
 from indoor_explorers.env.simulation.step import is_taken
 
 FLYING = int(End.FLYING)
-#: What is drawn for each agent in each step.
+#: The kinds of draws for each agent in each step, and their number.
 SLIP, DIRECTION, CLOSURE, KINDS = 0, 1, 2, 3
 
 
@@ -36,7 +36,7 @@ def _drawn(state: State, slam: Slam, b: int, agent: int, kind: int) -> float:
 
 @inner()
 def _believe(state: State, b: int, agent: int, row: int, col: int) -> None:
-    """Set an agent's believed cell, which is on the map: agents know how large it is."""
+    """Set an agent's believed cell, clipped to the map, whose size agents know."""
     state.believed_cell[b, agent, 0] = min(max(row, 0), state.truth.shape[1] - 1)
     state.believed_cell[b, agent, 1] = min(max(col, 0), state.truth.shape[2] - 1)
 
@@ -50,7 +50,7 @@ def _is_open(state: State, b: int, row: int, col: int) -> bool:
 
 @inner()
 def drift(rules: ErrorRules, state: State, slam: Slam, b: int, agent: int, action: int) -> None:
-    """Let an agent that has moved believe in its move, and slip from it in truth."""
+    """Apply an agent's move to its believed cell, and a random slip to its true cell."""
     row, col = state.believed_cell[b, agent, 0], state.believed_cell[b, agent, 1]
     _believe(state, b, agent, row + MOVES[action, 0], col + MOVES[action, 1])
     if rules.drift > 0.0 and _drawn(state, slam, b, agent, SLIP) < rules.drift:
@@ -63,7 +63,7 @@ def drift(rules: ErrorRules, state: State, slam: Slam, b: int, agent: int, actio
 
 @inner()
 def _anchor(slam: Slam, b: int, agent: int, before: int, variance: float) -> int:
-    """Return the last scan before ``before`` whose pose is at least as sure as ``variance``, the first if none is."""
+    """Return the last scan before ``before`` whose pose has at most ``variance``, the first if none has."""
     number = before - 1
     while number > 0 and slam.variance[b, agent, number] > variance:
         number -= 1
@@ -71,10 +71,10 @@ def _anchor(slam: Slam, b: int, agent: int, before: int, variance: float) -> int
 
 
 @leaf(entry=False)
-def _correct(parts: Parts, b: int, agent: int, row: int, col: int, variance: float, now: int, end: int) -> None:
-    """Set an agent's believed cell and its variance, and spread the correction over the scans before ``end``.
+def _correct(parts: SlamParts, b: int, agent: int, row: int, col: int, variance: float, now: int, end: int) -> None:
+    """Set an agent's believed cell and its variance, and distribute the correction over the scans before ``end``.
 
-    ``now`` is the scan that belongs to the believed cell, made already or not.
+    ``now`` is the number of the scan at the believed cell, which may be made later.
     """
     state, slam = parts.state, parts.slam
     width, team = state.truth.shape[2], state.end.shape[1]
@@ -101,8 +101,8 @@ def _correct(parts: Parts, b: int, agent: int, row: int, col: int, variance: flo
 
 
 @inner()
-def close_loop(parts: Parts, b: int, agent: int) -> None:
-    """Correct the pose of an agent that comes back to where it has been, right before its scan there."""
+def close_loop(parts: SlamParts, b: int, agent: int) -> None:
+    """Correct the pose of an agent that returns to a visited cell, before its scan there."""
     rules, state, slam = parts.errors, parts.state, parts.slam
     now, width = state.step[b], state.truth.shape[2]
     first = slam.first_visit[b, agent, state.cell[b, agent, 0], state.cell[b, agent, 1]]
@@ -126,8 +126,8 @@ def _sees(state: State, lidar: LidarModel, b: int, i: int, j: int) -> bool:
 
 
 @inner()
-def meet_mates(parts: Parts, b: int) -> None:
-    """Let agents that are linked to, and see, a teammate with a surer pose correct theirs."""
+def meet_mates(parts: SlamParts, b: int) -> None:
+    """Correct the poses of agents that are linked to a visible teammate of lower pose variance."""
     state, slam, now = parts.state, parts.slam, parts.state.step[b]
     for i in range(state.end.shape[1]):
         for j in range(state.end.shape[1]):

@@ -7,7 +7,7 @@ import numpy as np
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.grid.compiled import inner, leaf
 from indoor_explorers.env.simulation.slam.scans import read_scan
-from indoor_explorers.env.simulation.slam.state import Parts, Slam
+from indoor_explorers.env.simulation.slam.state import Slam, SlamParts
 from indoor_explorers.env.simulation.state import End, State
 
 STOPPED = int(End.STOPPED)
@@ -15,7 +15,7 @@ STOPPED = int(End.STOPPED)
 
 @inner()
 def _show(state: State, b: int, holder: int, cell: int, value: np.uint8) -> bool:
-    """Set a flat cell of a holder's map and count what of it is right; return whether it has become known."""
+    """Set a flat cell of a holder's map and update its count of correct cells; return whether it has become known."""
     team = state.end.shape[1]
     if holder < team:
         belief = state.belief[b, holder]
@@ -40,17 +40,17 @@ def _show(state: State, b: int, holder: int, cell: int, value: np.uint8) -> bool
 
 @inner()
 def _thresholded(log_odds: float) -> np.uint8:
-    """Return what a map shows for a cell: unknown without evidence, else the more probable."""
+    """Return a cell's value on a map: unknown without evidence, else the more probable one."""
     if log_odds == 0.0:
         return UNKNOWN
     return OCCUPIED if log_odds > 0.0 else FREE
 
 
 @inner()
-def move_scan(parts: Parts, count: int, b: int, holder: int, agent: int, number: int, pose: int) -> int:
-    """Let a holder's map have the scan in ``readings`` in ``pose`` alone, wherever it had it before; -1 for nowhere.
+def move_scan(parts: SlamParts, count: int, b: int, holder: int, agent: int, number: int, pose: int) -> int:
+    """Move the scan in ``readings`` on a holder's map to the flat cell ``pose``; -1 removes it.
 
-    Returns how many cells the holder has come to know for the first time.
+    Returns the number of cells that the holder knows for the first time.
     """
     slam, new = parts.slam, 0
     own, before = slam.true_cell[b, agent, number], slam.drawn_at[b, holder, agent, number]
@@ -63,10 +63,10 @@ def move_scan(parts: Parts, count: int, b: int, holder: int, agent: int, number:
 
 
 @leaf(entry=False)
-def _draw_scan(parts: Parts, count: int, b: int, holder: int, own: int, pose: int, sign: float) -> int:
+def _draw_scan(parts: SlamParts, count: int, b: int, holder: int, own: int, pose: int, sign: float) -> int:
     """Add the scan in ``readings``, made in the flat cell ``own``, to a holder's map as if made in ``pose``.
 
-    ``sign`` is 1, or -1 to remove it. Returns how many cells the holder has come to know for the first time.
+    ``sign`` is 1, or -1 to remove it. Returns the number of cells that the holder knows for the first time.
     """
     state, slam, readings = parts.state, parts.slam, parts.readings
     height, width, team = state.truth.shape[1], state.truth.shape[2], state.end.shape[1]
@@ -99,7 +99,7 @@ def _list(state: State, slam: Slam, b: int, agent: int, cell: int) -> bool:
 
 @inner()
 def place_agent(state: State, slam: Slam, b: int, agent: int) -> None:
-    """Let an agent's map show the cell free in which it believes to be, and no longer the one before for that."""
+    """Show an agent's believed cell as free on its map, and the previous one by its evidence again."""
     width, before = state.truth.shape[2], slam.shown_free[b, agent]
     cell = state.believed_cell[b, agent, 0] * width + state.believed_cell[b, agent, 1]
     state.visited[b, agent].flat[cell] = True
@@ -113,7 +113,7 @@ def place_agent(state: State, slam: Slam, b: int, agent: int) -> None:
 
 
 @inner()
-def redraw(parts: Parts, b: int, agent: int, number: int, pose: int) -> None:
+def redraw(parts: SlamParts, b: int, agent: int, number: int, pose: int) -> None:
     """Move a scan of an agent that flies to another pose, in its own map and the team's."""
     count = read_scan(parts, b, agent, number)
     for holder in (agent, parts.state.end.shape[1]):
@@ -122,7 +122,7 @@ def redraw(parts: Parts, b: int, agent: int, number: int, pose: int) -> None:
 
 @inner()
 def _remaining_pose(state: State, slam: Slam, b: int, agent: int, number: int) -> int:
-    """Return where the first holder that is not lost has drawn an agent's scan; -1 where none has it."""
+    """Return the pose at which the first remaining holder has an agent's scan; -1 for none."""
     team, holders = state.end.shape[1], slam.drawn_at.shape[1]
     if state.end[b, agent] != STOPPED:
         return int(slam.drawn_at[b, agent, agent, number])
@@ -134,8 +134,8 @@ def _remaining_pose(state: State, slam: Slam, b: int, agent: int, number: int) -
 
 
 @leaf(entry=False)
-def forget_lost(parts: Parts, b: int) -> None:
-    """Take out of the team's map the scans that only agents have that have stopped."""
+def forget_lost(parts: SlamParts, b: int) -> None:
+    """Remove the scans that only stopped agents have from the team's map."""
     state, slam, team = parts.state, parts.slam, parts.state.end.shape[1]
     for agent in range(team):
         for number in range(slam.scans[b, agent, agent]):

@@ -1,10 +1,10 @@
-"""A scan of a lidar that errs, compiled.
+"""A scan of a lidar with errors, compiled.
 
-The lidar sees what the exact one sees on a distorted map, which is drawn anew for every scan: each free cell is an
-obstacle with the probability of a false return, each obstacle is transparent with that of a miss. Obstacles are then
-read nearer or farther along their ray, by a normal error. Beyond the eight neighbours, which proximity sensors see all
-around, only what is in the field of view is read. Draws depend on seed, agent, scan and cell alone, so a scan can be
-repeated at any time: that is how maps are drawn again when a path is corrected.
+The lidar scans a distorted map, drawn anew for every scan: each free cell is an obstacle with the probability of a
+false return, each obstacle is transparent with that of a miss. Obstacles are then read nearer or farther along their
+ray, by a normal error. Beyond the eight neighbours, which proximity sensors cover, only cells in the field of view are
+read. Draws depend on seed, agent, scan and cell alone, so a scan can be repeated when maps are drawn again after a
+correction.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from indoor_explorers.env.grid.compiled import inner, leaf
 from indoor_explorers.env.grid.randomness import draw, uniform
 from indoor_explorers.env.sensing.inverse_model import CERTAIN, HIT, PASS
 from indoor_explorers.env.sensing.lidar import visible_cells
-from indoor_explorers.env.simulation.slam.state import ErrorRules, Parts, Readings, Slam
+from indoor_explorers.env.simulation.slam.state import ErrorRules, Readings, Slam, SlamParts
 from indoor_explorers.env.simulation.state import State
 
 #: Streams of one scan: distortion, and the two numbers of a normal error.
@@ -34,7 +34,7 @@ def _scan_key(state: State, slam: Slam, b: int, agent: int, scan: int, kind: int
 def _distort(
     rules: ErrorRules, truth: np.ndarray, key: np.uint64, row: int, col: int, reach: int, out: np.ndarray
 ) -> None:
-    """Draw what a lidar in (row, col) takes for the map (H, W), as far as ``reach`` cells around."""
+    """Draw the distorted map (H, W) of a lidar in (row, col), up to ``reach`` cells around."""
     height, width = truth.shape
     for r in range(max(0, row - reach), min(height, row + reach + 1)):
         for c in range(max(0, col - reach), min(width, col + reach + 1)):
@@ -91,7 +91,7 @@ def _note_obstacle(
 
 
 @leaf(entry=False)
-def read_scan(parts: Parts, b: int, agent: int, number: int) -> int:
+def read_scan(parts: SlamParts, b: int, agent: int, number: int) -> int:
     """Repeat a scan of an agent: fill ``readings`` and return how many cells it read; the own one comes first."""
     rules, state, slam, lidar, readings = parts.errors, parts.state, parts.slam, parts.lidar, parts.readings
     height, width = state.truth.shape[1], state.truth.shape[2]

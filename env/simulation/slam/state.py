@@ -7,11 +7,12 @@ with a home base; T scans of one agent, one for each step and one for the start.
 from __future__ import annotations
 
 from math import cos, radians
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from indoor_explorers.env.grid.arrays import allocated
 from indoor_explorers.env.scenarios.scenario import LEAST_BUDGET, Scenario
 from indoor_explorers.env.sensing.lidar import LidarModel
 from indoor_explorers.env.simulation.engine import Work
@@ -28,7 +29,7 @@ class ErrorRules(NamedTuple):
     false_returns: float
     range_std: float
     least_cosine: float
-    """Of the angle between the heading and what is in the field of view; under -1 for all around."""
+    """Least cosine of the angle between the heading and a cell in the field of view; below -1 for all around."""
     drift: float
     closures: float
     closure_gap: int
@@ -38,36 +39,36 @@ class ErrorRules(NamedTuple):
 class Slam(NamedTuple):
     """Scans, estimated poses and maps of a batch of episodes."""
 
-    log_odds: NDArray[np.float32]
-    """(B, K, H, W) that a cell is occupied: the sum of all readings that the holder has of it; 0 for none."""
-    drawn_at: NDArray[np.int32]
-    """(B, K, N, T) flat cell from which a holder's map has the scan of an agent; -1 for a scan that it has not."""
-    scans: NDArray[np.int64]
-    """(B, K, N) scans of each agent that a holder has."""
-    revision: NDArray[np.int64]
-    """(B, K, N) corrections of each agent's path that a holder has."""
-    true_cell: NDArray[np.int32]
-    """(B, N, T) flat cell in which a scan was made."""
-    heading: NDArray[np.int8]
-    """(B, N, T) action whose direction the agent faced in a scan."""
-    bump: NDArray[np.int8]
-    """(B, N, T) action that ended in an obstacle right before a scan; -1 for none."""
-    way: NDArray[np.int32]
-    """(B, N, T) cells flown before a scan."""
-    variance: NDArray[np.float32]
-    """(B, N, T) expected squared error of the pose of a scan, in cells^2."""
-    first_visit: NDArray[np.int32]
-    """(B, N, H, W) first scan that an agent made in a cell; -1 for none."""
-    listed: NDArray[np.bool_]
-    """(B, N, H, W) cells in the discovery log."""
-    shown_free: NDArray[np.int64]
-    """(B, N) flat cell that an agent's map shows as free since it believes to be there."""
-    noise_key: NDArray[np.uint64]
-    """(B,) key of the stream of the lidar's errors."""
-    drift_key: NDArray[np.uint64]
-    """(B,) key of the stream of the drift."""
-    pose_error: NDArray[np.float64]
-    """(B, N) sum over the steps flown of the distance between the believed and the true cell."""
+    log_odds: Annotated[NDArray[np.float32], "B K H W"]
+    """Log-odds that a cell is occupied: the sum of all readings that the holder has of it; 0 for none."""
+    drawn_at: Annotated[NDArray[np.int32], "B K N T"]
+    """Flat cell from which a holder's map has the scan of an agent; -1 for a scan that it has not."""
+    scans: Annotated[NDArray[np.int64], "B K N"]
+    """Scans of each agent that a holder has."""
+    revision: Annotated[NDArray[np.int64], "B K N"]
+    """Corrections of each agent's path that a holder has."""
+    true_cell: Annotated[NDArray[np.int32], "B N T"]
+    """Flat cell in which a scan was made."""
+    heading: Annotated[NDArray[np.int8], "B N T"]
+    """Action whose direction the agent faced in a scan."""
+    bump: Annotated[NDArray[np.int8], "B N T"]
+    """Action that ended in an obstacle right before a scan; -1 for none."""
+    way: Annotated[NDArray[np.int32], "B N T"]
+    """Cells flown before a scan."""
+    variance: Annotated[NDArray[np.float32], "B N T"]
+    """Expected squared error of the pose of a scan, in cells^2."""
+    first_visit: Annotated[NDArray[np.int32], "B N H W"]
+    """First scan that an agent made in a cell; -1 for none."""
+    listed: Annotated[NDArray[np.bool_], "B N H W"]
+    """Cells in the discovery log."""
+    shown_free: Annotated[NDArray[np.int64], "B N"]
+    """Flat cell that an agent's map shows as free since it believes to be there."""
+    noise_key: Annotated[NDArray[np.uint64], "B"]
+    """Key of the stream of the lidar's errors."""
+    drift_key: Annotated[NDArray[np.uint64], "B"]
+    """Key of the stream of the drift."""
+    pose_error: Annotated[NDArray[np.float64], "B N"]
+    """Sum over the steps flown of the distance between the believed and the true cell."""
 
 
 class Readings(NamedTuple):
@@ -80,11 +81,11 @@ class Readings(NamedTuple):
     place: NDArray[np.int32]
     """(H * W,) index + 1 of a cell in ``cells``; 0 between scans."""
     occupancy: NDArray[np.uint8]
-    """(H, W) what the lidar takes for the map in one scan."""
+    """(H, W) the distorted map of one scan."""
 
 
-class Parts(NamedTuple):
-    """All that the compiled functions of a step with errors read and write."""
+class SlamParts(NamedTuple):
+    """The arguments of the compiled functions of a step with errors."""
 
     rules: Rules
     errors: ErrorRules
@@ -112,23 +113,6 @@ def error_rules_of(scenario: Scenario) -> ErrorRules:
 
 def empty_slam(scenario: Scenario, batch: int, shape: tuple[int, int]) -> Slam:
     """Allocate what ``batch`` episodes on (H, W) maps hold."""
-    b, n, (h, w) = batch, scenario.team, shape
-    k = n + 1 + scenario.base.exists
-    t = 1 + (scenario.budget or max(LEAST_BUDGET, h * w))
-    return Slam(
-        log_odds=np.zeros((b, k, h, w), np.float32),
-        drawn_at=np.zeros((b, k, n, t), np.int32),
-        scans=np.zeros((b, k, n), np.int64),
-        revision=np.zeros((b, k, n), np.int64),
-        true_cell=np.zeros((b, n, t), np.int32),
-        heading=np.zeros((b, n, t), np.int8),
-        bump=np.zeros((b, n, t), np.int8),
-        way=np.zeros((b, n, t), np.int32),
-        variance=np.zeros((b, n, t), np.float32),
-        first_visit=np.zeros((b, n, h, w), np.int32),
-        listed=np.zeros((b, n, h, w), np.bool_),
-        shown_free=np.zeros((b, n), np.int64),
-        noise_key=np.zeros(b, np.uint64),
-        drift_key=np.zeros(b, np.uint64),
-        pose_error=np.zeros((b, n)),
-    )
+    (height, width), team = shape, scenario.team
+    scans = 1 + (scenario.budget or max(LEAST_BUDGET, height * width))
+    return allocated(Slam, B=batch, K=team + 1 + scenario.base.exists, N=team, T=scans, H=height, W=width)

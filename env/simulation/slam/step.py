@@ -1,25 +1,29 @@
 """The step of a world whose sensors or poses err, compiled.
 
-It is that of :mod:`indoor_explorers.env.simulation.step` but for maps. Agents scan in every step, as each scan errs
-anew. Moves, collisions, radio contacts and coverage are those of the true world; what an agent knows of it, and of its
-own cell, follows from its scans and odometry.
+It equals :mod:`indoor_explorers.env.simulation.step` except for maps. Agents scan in every step, as each scan has new
+errors. Moves, collisions, radio contacts and coverage are those of the true world; an agent's map and believed cell
+follow from its scans and odometry.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
+from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.cells import TURN
 from indoor_explorers.env.grid.compiled import inner, kernel
 from indoor_explorers.env.grid.randomness import Stream, draw, shuffled, stream_key
+from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.simulation.contacts import contacts_of
 from indoor_explorers.env.simulation.engine import Engine
 from indoor_explorers.env.simulation.slam.exchange import share
 from indoor_explorers.env.simulation.slam.localisation import close_loop, count_errors, drift, meet_mates
 from indoor_explorers.env.simulation.slam.maps import forget_lost, move_scan, place_agent
 from indoor_explorers.env.simulation.slam.scans import read_scan
-from indoor_explorers.env.simulation.slam.state import ErrorRules, Parts, Readings, Slam
-from indoor_explorers.env.simulation.state import End
+from indoor_explorers.env.simulation.slam.state import ErrorRules, Readings, Slam, SlamParts, error_rules_of
+from indoor_explorers.env.simulation.state import End, State
 from indoor_explorers.env.simulation.step import clear_step, finish_step, move, update_legal
 
 FLYING = int(End.FLYING)
@@ -27,7 +31,7 @@ NOISE, DRIFT = int(Stream.NOISE), int(Stream.DRIFT)
 
 
 @inner()
-def _sense(parts: Parts, b: int, agent: int) -> None:
+def _sense(parts: SlamParts, b: int, agent: int) -> None:
     """Make an agent's scan of this step and draw it into its map and the team's."""
     state, slam, readings = parts.state, parts.slam, parts.readings
     number, team = state.step[b], state.end.shape[1]
@@ -50,8 +54,8 @@ def _sense(parts: Parts, b: int, agent: int) -> None:
 
 
 @inner()
-def _act(parts: Parts, b: int, agent: int, action: int) -> None:
-    """Carry out an agent's action in the true world, and log what odometry tells of it for the coming scan."""
+def _act(parts: SlamParts, b: int, agent: int, action: int) -> None:
+    """Carry out an agent's action in the true world, and log its odometry for the coming scan."""
     rules, state, slam, number = parts.rules, parts.state, parts.slam, parts.state.step[b] + 1
     heading, moved, bumps = slam.heading[b, agent, number - 1], False, state.collisions[b, agent]
     state.reward[b, agent] += rules.reward_step
@@ -69,14 +73,14 @@ def _act(parts: Parts, b: int, agent: int, action: int) -> None:
 
 @inner()
 def _stay_ended(slam: Slam, b: int, agent: int, number: int) -> None:
-    """Let an agent that has ended keep its heading and the variance of its pose, which its view still tells."""
+    """Keep the heading and the pose variance of an agent that has ended for its view."""
     slam.heading[b, agent, number] = slam.heading[b, agent, number - 1]
     slam.variance[b, agent, number] = slam.variance[b, agent, number - 1]
 
 
 @inner()
-def _share_scans(parts: Parts, b: int, linked: bool, based: bool) -> None:
-    """Let linked agents correct each other's poses, and exchange what they and the base know."""
+def _share_scans(parts: SlamParts, b: int, linked: bool, based: bool) -> None:
+    """Let linked agents correct each other's poses, and merge maps with each other and the base."""
     state = parts.state
     if linked and parts.errors.mates and parts.errors.drift > 0.0:
         meet_mates(parts, b)
@@ -120,7 +124,7 @@ def _clear(slam: Slam, b: int, seed: int) -> None:
 def begin_uncertain(engine: Engine, errors: ErrorRules, slam: Slam, episodes: np.ndarray, seeds: np.ndarray) -> None:
     """Make the first scans and contacts of episodes (K,) that have just begun, with seeds (K,)."""
     state = engine.state
-    parts = Parts(engine.rules, errors, state, slam, engine.lidar, engine.work, _new_readings(engine))
+    parts = SlamParts(engine.rules, errors, state, slam, engine.lidar, engine.work, _new_readings(engine))
     for k in range(episodes.shape[0]):
         b = episodes[k]
         _clear(slam, b, seeds[k])
@@ -138,7 +142,7 @@ def advance_uncertain(
 ) -> None:
     """Advance episodes first to last - 1 by one step where an agent flies; ``actions`` is (B, N)."""
     state, order = engine.state, engine.work.order
-    parts = Parts(engine.rules, errors, state, slam, engine.lidar, engine.work, _new_readings(engine))
+    parts = SlamParts(engine.rules, errors, state, slam, engine.lidar, engine.work, _new_readings(engine))
     for b in range(first, last):
         if not clear_step(state, b):
             continue
@@ -157,3 +161,20 @@ def advance_uncertain(
         _fail_and_contact(parts, b)
         count_errors(state, parts.slam, b)
         finish_step(engine.rules, state, b)
+
+
+class UncertainModel:
+    """Begin and advance the episodes of a world whose sensors or poses err."""
+
+    def __init__(self, scenario: Scenario, slam: Slam) -> None:
+        self._errors = error_rules_of(scenario)
+        self._slam = slam
+
+    def begin(self, engine: Engine, state: State, episodes: Sequence[int], seeds: Sequence[int]) -> None:
+        """Make the first scans and contacts of episodes that have just begun."""
+        begun = np.array(episodes, np.int64), np.array(seeds, np.int64)
+        begin_uncertain(engine, self._errors, self._slam, *begun)
+
+    def advance(self, engine: Engine, state: State, actions: NDArray[np.int64], first: int, last: int) -> None:
+        """Advance episodes first to last - 1 by one step with actions (B, N)."""
+        advance_uncertain(engine, self._errors, self._slam, actions, first, last)

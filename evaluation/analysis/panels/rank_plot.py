@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.evaluation.analysis.task_times import TaskTimes
 from indoor_explorers.evaluation.drawing.dot_plots import share_dot_plot
-from indoor_explorers.evaluation.drawing.formatting import EN_DASH, percent
+from indoor_explorers.evaluation.drawing.formatting import EN_DASH, percent_with_interval
 from indoor_explorers.evaluation.drawing.palette import PolicyStyle
 from indoor_explorers.evaluation.statistics import Estimate, bootstrap_means
 from indoor_explorers.evaluation.statistics.wins import win_scores
@@ -29,10 +29,9 @@ class Improvement(NamedTuple):
 
     @property
     def text(self) -> str:
-        """The probability with its interval."""
-        _, low, high = self.estimate
-        around = "" if low is None or high is None else f" [{_clipped(low)}, {_clipped(high)}]"
-        return percent(self.estimate.mean) + around
+        """The probability with its interval, clipped to 0 and 100 %."""
+        clipped = (None if end is None else min(max(end, 0.0), 1.0) for end in self.estimate[1:])
+        return percent_with_interval(Estimate(self.estimate.mean, *clipped))
 
     @property
     def reading(self) -> str:
@@ -55,11 +54,6 @@ class Improvement(NamedTuple):
         """Draw it with a line at one half; without an interval, a dot for each task."""
         label = f"{self.policy} better than {self.other}: {self.text}"
         return share_dot_plot(self.scores, self.estimate, style, label)
-
-
-def _clipped(share: float) -> str:
-    """Format the end of an interval, clipped to 0 and 100 %."""
-    return percent(min(max(share, 0.0), 1.0))
 
 
 class RankRow(NamedTuple):

@@ -17,7 +17,7 @@ from indoor_explorers.evaluation.analysis.sweeps import (
     setting_sweeps,
     team_scalings,
 )
-from indoor_explorers.evaluation.drawing.formatting import counted
+from indoor_explorers.evaluation.drawing.formatting import counted, span
 from indoor_explorers.evaluation.drawing.palette import Styles
 from indoor_explorers.evaluation.harness.results.coverage_threshold import CoverageThreshold
 from indoor_explorers.evaluation.harness.results.results import Results
@@ -75,14 +75,13 @@ def _panel(
     series = [each for plot in plots for each in plot.series]
     if not series:
         return None
-    counts = sorted({len(results.groups[key]) for key in results.groups if key[0] in sweep.scenarios})
     return SweepPanel(
         title,
         sweep.scenarios,
         list(dict.fromkeys(each.name for each in series)),
         plots,
         [CoverageThreshold(key).title for key in results.level(sweep.scenarios[0]).times],
-        " to ".join(str(count) for count in dict.fromkeys((counts[0], counts[-1]))),
+        span(len(records) for (scenario, _), records in results.groups.items() if scenario in sweep.scenarios),
         any(each.dots for each in series),
         plots[0].beyond,
         any(any(each.hollow or []) for each in series),

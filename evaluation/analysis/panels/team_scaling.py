@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from indoor_explorers.evaluation.analysis.panels.plot_data import Guide, Plot, PlotAxis, PlotSeries, bounds
 from indoor_explorers.evaluation.analysis.panels.sweep_plots import APART
 from indoor_explorers.evaluation.analysis.sweeps import TeamScaling
-from indoor_explorers.evaluation.drawing.formatting import percent, with_interval
+from indoor_explorers.evaluation.drawing.formatting import percent_with_interval, with_interval
 from indoor_explorers.evaluation.drawing.palette import Styles
 from indoor_explorers.evaluation.harness.results.coverage_threshold import CoverageThreshold
 from indoor_explorers.evaluation.harness.results.results import Results
@@ -160,6 +160,4 @@ def _speedup_text(gain: SpeedUp) -> str:
 
 
 def _efficiency_text(gain: SpeedUp) -> str:
-    low, high = gain.speedup.low, gain.speedup.high
-    around = "" if low is None or high is None else f" [{percent(low)}, {percent(high)}]"
-    return f"{gain.team} UAVs: {percent(gain.speedup.mean)}{around}"
+    return f"{gain.team} UAVs: {percent_with_interval(gain.speedup)}"

@@ -85,7 +85,7 @@ class LeagueTable:
 
 
 def league_table(comparisons: Mapping[str, Comparison], styles: Styles) -> LeagueTable:
-    """Return the table; ``comparisons`` are those of the common tasks, by section."""
+    """Return the table; ``comparisons`` cover the common tasks, by section."""
     width = WIDTHS.get(len(comparisons), 0)
     ranked = [(each, ranks(each)) for each in comparisons.values()]
     cells = [_cells(each, places, styles, width) for each, places in ranked]

@@ -50,7 +50,7 @@ def result_cells(
     best: Mapping[str, Sequence[str]],
     decimals: Callable[[float], int],
 ) -> list[Cell]:
-    """Return the cells below :func:`headings`; ``decimals`` are those of a mean time."""
+    """Return the cells below :func:`headings`; ``decimals`` gives the decimals of a mean time."""
 
     def measured(metric: str, decimals: Callable[[float], int]) -> Cell:
         estimate = comparison.estimate(policy, metric)
@@ -85,7 +85,7 @@ def _to_bound(comparison: Comparison, policy: str) -> Cell:
 
 
 def _to_reference(comparison: Comparison, policy: str) -> Cell:
-    """Return the ratio of steps to those of the reference; empty for a policy that knows the map."""
+    """Return the ratio of steps to the reference's steps; empty for a policy that knows the map."""
     bound = comparison.reference_censoring(policy).bound
     if comparison.privileged(policy) or bound is None:
         return Cell()

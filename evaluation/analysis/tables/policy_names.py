@@ -1,4 +1,4 @@
-"""Names of policies in tables of text, marked with what a reader has to know about them."""
+"""Names of policies in tables of text, with marks and footnotes for privileged, checked and exposed policies."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ EXPOSED = "flew in the process that has the true map, where it could have read i
 
 
 def marked(results: Results, policy: str) -> str:
-    """Return the name of a policy, marked with what it is told, a check that it failed, and if it was not isolated."""
+    """Return the name of a policy, marked for privileged knowledge, a failed check and missing isolation."""
     marks = [
         *(["(knows the map)"] if policy in results.privileged_policies else []),
         *([DAGGER] if policy in results.generator_policies else []),

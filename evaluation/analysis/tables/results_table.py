@@ -1,9 +1,9 @@
-"""The results table of a scenario: one row for each policy."""
+"""The results table of a scenario, a row for each policy, and the table of its other measures, a row for each."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -52,7 +52,7 @@ class MeasureColumn(Column):
         return "reached" if self.kind == "reached" else self.metric
 
 
-#: The columns after those of times.
+#: The columns after the times.
 OTHERS = (
     MeasureColumn("AUC", key="auc", lower_is_better=False),
     MeasureColumn("path length", "cells", "path_length"),
@@ -168,20 +168,69 @@ def emphasised(comparison: Comparison, column: MeasureColumn, cells: dict[str, C
 
 
 def constant_columns(columns: Sequence[MeasureColumn], rows: Sequence[Row]) -> list[tuple[MeasureColumn, Cell]]:
-    """Return the columns with the same figure in every row, with that figure: the page names them below the table.
+    """Return the columns whose figure is the same in every row, and that figure; the page lists them below the table.
 
-    None for a single row. Times and drawings are always in the table, as is a figure that is shown to be bad.
+    A single row has none. Times, drawings and bad figures always stay in the table.
     """
     if len(rows) < 2:
         return []
     shown = [(column, [row.cells[place] for row in rows]) for place, column in enumerate(columns)]
-    return [(column, cells[0]) for column, cells in shown if _may_go(column) and _same(cells)]
+    return [(column, cells[0]) for column, cells in shown if _may_be_left_out(column) and _same(cells)]
 
 
-def _may_go(column: MeasureColumn) -> bool:
+def _may_be_left_out(column: MeasureColumn) -> bool:
     return column.kind != "dots" and (column.kind == "reached" or not column.of_time)
 
 
 def _same(cells: Sequence[Cell]) -> bool:
     first = cells[0]
     return not first.bad and all((each.text, each.value) == (first.text, first.value) for each in cells)
+
+
+#: Decimals of the measures that are ratios.
+RATIO_DECIMALS = {"t99_to_bound": 2, "t99_to_reference": 2}
+#: Measures that are only about teams.
+OF_TEAMS = {"auc_worst", "t99_worst", "auc_mean", "path_max", "balance", "blocked"}
+#: One measure, and the cell of each policy.
+MeasureRow = tuple[MeasureColumn, list[Cell]]
+
+
+def measures_table(comparison: Comparison) -> list[MeasureRow]:
+    """Return the measures that the results table leaves out and that have a value, then pilot statistics."""
+    return [row for row in _measure_rows(comparison) if any(cell.value is not None for cell in row[1])]
+
+
+def _measure_rows(comparison: Comparison) -> Iterator[MeasureRow]:
+    alone = all(record.team == 1 for record in comparison.records)
+    left_out = {column.key for column in columns_of(comparison.level)} | (OF_TEAMS if alone else set())
+    for key, measure in comparison.results.measures.items():
+        if key not in left_out:
+            column = MeasureColumn(measure.title, measure.unit, key, lower_is_better=measure.lower_is_better)
+            yield column, _measure_cells(comparison, column)
+    for key in comparison.tallies:
+        column = MeasureColumn(key.removeprefix("pilot_").replace("_", " "), "pilot statistic", key, ranked=False)
+        yield column, _measure_cells(comparison, column)
+
+
+def _measure_cells(comparison: Comparison, column: MeasureColumn) -> list[Cell]:
+    estimates = {policy: comparison.estimate(policy, column.key) for policy in comparison.groups}
+    largest = max((abs(each.mean) for each in estimates.values() if not math.isnan(each.mean)), default=0.0)
+    usual = 3 if largest < 1 or not column.ranked else decimals_for(largest, most=2)
+    decimals = RATIO_DECIMALS.get(column.key, usual) if largest else 0
+    cells = {policy: _measure_cell(each, decimals) for policy, each in estimates.items()}
+    if column.key in RATIO_DECIMALS:
+        cells = {policy: _bounded(comparison, policy, cell) for policy, cell in cells.items()}
+    return list((emphasised(comparison, column, cells) if column.ranked else cells).values())
+
+
+def _bounded(comparison: Comparison, policy: str, cell: Cell) -> Cell:
+    """Mark a ratio as a lower bound where some episodes never reached the threshold and count as the budget."""
+    if cell.value is None or comparison.results.success(comparison.scenario, policy, "t99").mean == 1:
+        return cell
+    return replace(cell, text=f"> {cell.text}", detail="")
+
+
+def _measure_cell(estimate: Estimate, decimals: int) -> Cell:
+    if math.isnan(estimate.mean):
+        return Cell(fixed(None, 0))
+    return Cell(fixed(estimate.mean, decimals), estimate.mean, interval(estimate, decimals) if decimals else "")

@@ -6,8 +6,7 @@ from pathlib import Path
 from typing import Annotated
 
 from indoor_explorers.evaluation.cli.command import Command, make_console, print_line
-from indoor_explorers.evaluation.harness.experiment.request import Request
-from indoor_explorers.evaluation.harness.options import Option, read_names
+from indoor_explorers.evaluation.harness.experiment.request import Option, Request, read_names
 
 
 class BenchOptions(Request):

@@ -6,8 +6,7 @@ from contextlib import nullcontext
 from typing import Annotated
 
 from indoor_explorers.evaluation.cli.command import Command, debugging, make_console
-from indoor_explorers.evaluation.harness.experiment.request import Request
-from indoor_explorers.evaluation.harness.options import Option
+from indoor_explorers.evaluation.harness.experiment.request import Option, Request
 
 
 class CheckOptions(Request):

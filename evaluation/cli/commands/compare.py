@@ -7,8 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from indoor_explorers.evaluation.cli.command import Command, make_console, print_line
-from indoor_explorers.evaluation.harness.experiment.request import ComparisonRequest
-from indoor_explorers.evaluation.harness.options import Option
+from indoor_explorers.evaluation.harness.experiment.request import ComparisonRequest, Option
 
 if TYPE_CHECKING:
     from rich.console import Console

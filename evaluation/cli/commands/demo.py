@@ -6,8 +6,7 @@ from pathlib import Path
 from typing import Annotated
 
 from indoor_explorers.evaluation.cli.command import Command, make_console, print_line
-from indoor_explorers.evaluation.harness.experiment.request import Request
-from indoor_explorers.evaluation.harness.options import Option
+from indoor_explorers.evaluation.harness.experiment.request import Option, Request
 
 #: What is flown: policies that are soon compiled, in a room of the thesis.
 POLICIES, SCENARIO, EPISODES, SEED = ("frontier-nearest", "frontier-utility", "pso"), "thesis-team-4", 10, 1_000_000

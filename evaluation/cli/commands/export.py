@@ -6,8 +6,14 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 from indoor_explorers.evaluation.cli.command import Command, make_console, print_line
-from indoor_explorers.evaluation.harness.experiment.request import PLUGIN_NAMES, SEED, Request
-from indoor_explorers.evaluation.harness.options import Option, read_seconds, read_speed
+from indoor_explorers.evaluation.harness.experiment.request import (
+    PLUGIN_NAMES,
+    SEED,
+    Option,
+    Request,
+    read_seconds,
+    read_speed,
+)
 
 
 class ExportOptions(Request):

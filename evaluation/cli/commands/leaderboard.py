@@ -6,9 +6,8 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from indoor_explorers.evaluation.cli.command import Command, make_console, print_line
-from indoor_explorers.evaluation.harness.experiment.request import PLUGIN_NAMES, Request
-from indoor_explorers.evaluation.harness.options import Option, read_natural
+from indoor_explorers.evaluation.cli.command import Command, make_console, print_line, written
+from indoor_explorers.evaluation.harness.experiment.request import PLUGIN_NAMES, Option, Request, read_natural
 
 if TYPE_CHECKING:
     from indoor_explorers.evaluation.cli.console import PlainConsole
@@ -36,7 +35,6 @@ class LeaderboardOptions(Request):
 
 def run_leaderboard(options: LeaderboardOptions, typed: str) -> int:
     """Verify the results and print a table for each scenario."""
-    from indoor_explorers.env.errors import InputError
     from indoor_explorers.env.files import written_whole
     from indoor_explorers.evaluation.harness.results.results import Results
     from indoor_explorers.evaluation.studies.leaderboard.board import boards
@@ -52,11 +50,8 @@ def run_leaderboard(options: LeaderboardOptions, typed: str) -> int:
         _print(board, console)
     print_line(console, legend(options.fly))
     if options.out is not None:
-        try:
-            with written_whole(options.out) as partial:
-                partial.write_text(markdown_page(found), "utf-8")
-        except OSError as error:
-            raise InputError(f"{options.out}: cannot be written: {error.strerror}; choose another --out") from error
+        with written(options.out), written_whole(options.out) as partial:
+            partial.write_text(markdown_page(found), "utf-8")
         print_line(console, f"Page: {options.out}")
     return 0
 

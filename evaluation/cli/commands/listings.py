@@ -1,4 +1,4 @@
-"""``policies``, ``scenarios`` and ``learners``: list what there is, or explain one."""
+"""``policies``, ``scenarios`` and ``learners``: list all, or explain some."""
 
 from __future__ import annotations
 
@@ -6,8 +6,7 @@ from itertools import accumulate
 from typing import TYPE_CHECKING, Annotated
 
 from indoor_explorers.evaluation.cli.command import Command, make_console, print_line
-from indoor_explorers.evaluation.harness.experiment.request import Request
-from indoor_explorers.evaluation.harness.options import Option
+from indoor_explorers.evaluation.harness.experiment.request import Option, Request
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

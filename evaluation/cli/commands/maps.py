@@ -7,9 +7,18 @@ from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from indoor_explorers.evaluation.cli.command import Command, make_console, print_line
-from indoor_explorers.evaluation.harness.experiment.request import NO_SETTINGS, RESOLUTION, SEED, Request, Settings
-from indoor_explorers.evaluation.harness.options import Option, read_count, read_names, read_share
+from indoor_explorers.evaluation.cli.command import Command, make_console, print_line, written
+from indoor_explorers.evaluation.harness.experiment.request import (
+    NO_SETTINGS,
+    RESOLUTION,
+    SEED,
+    Option,
+    Request,
+    Settings,
+    read_count,
+    read_names,
+    read_share,
+)
 
 if TYPE_CHECKING:
     from indoor_explorers.env.maps.floorplan import Floorplan
@@ -71,11 +80,8 @@ def _save(floorplans: Sequence[Floorplan], path: Path) -> None:
 
     if len(floorplans) != 1 or path.suffix != ".png":
         raise InputError(f"expected one map and a .png with --save, got {len(floorplans)} maps and {path}")
-    try:
-        with written_whole(path) as partial:
-            write_picture(floorplans[0], partial)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written: {error.strerror}; choose another --save") from error
+    with written(path, "--save"), written_whole(path) as partial:
+        write_picture(floorplans[0], partial)
 
 
 def _floorplans(options: MapsOptions) -> Iterator[Floorplan]:
@@ -104,9 +110,8 @@ def _compare(options: MapsOptions) -> int:
     from indoor_explorers.env.errors import InputError
     from indoor_explorers.env.maps.files import read_map
     from indoor_explorers.env.scenarios.loading import named_scenario
-    from indoor_explorers.evaluation.studies.maps.comparison import maps_of, measured
+    from indoor_explorers.evaluation.studies.maps.comparison import comparison_table, maps_of, measured
     from indoor_explorers.evaluation.studies.maps.drawing import write_comparison
-    from indoor_explorers.evaluation.studies.maps.table import comparison_table
 
     if options.scenario or not options.paths:
         raise InputError("expected the paths of map files with --compare and no --scenario; see maps --help")

@@ -5,9 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-from indoor_explorers.evaluation.cli.command import Command, make_console, print_line
-from indoor_explorers.evaluation.harness.experiment.request import Request
-from indoor_explorers.evaluation.harness.options import Option
+from indoor_explorers.evaluation.cli.command import Command, make_console, print_line, written
+from indoor_explorers.evaluation.harness.experiment.request import Option, Request
 
 
 class PlaygroundOptions(Request):
@@ -19,13 +18,10 @@ class PlaygroundOptions(Request):
 
 def run_playground(options: PlaygroundOptions, typed: str) -> int:
     """Write the page."""
-    from indoor_explorers.env.errors import InputError
     from indoor_explorers.evaluation.studies.playground.page import write_playground
 
-    try:
+    with written(options.out):
         write_playground(options.out)
-    except OSError as error:
-        raise InputError(f"{options.out}: cannot be written: {error.strerror}; choose another --out") from error
     print_line(make_console(), f"Page: {options.out}")
     return 0
 

@@ -8,8 +8,14 @@ from typing import Annotated
 
 from indoor_explorers.evaluation.cli.command import Command, make_console, print_line
 from indoor_explorers.evaluation.cli.commands.compare import print_notes, print_ratios
-from indoor_explorers.evaluation.harness.experiment.request import MARGIN_SHARE, PLUGIN_NAMES, POLICY_NAMES, Request
-from indoor_explorers.evaluation.harness.options import Option, read_natural
+from indoor_explorers.evaluation.harness.experiment.request import (
+    MARGIN_SHARE,
+    PLUGIN_NAMES,
+    POLICY_NAMES,
+    Option,
+    Request,
+    read_natural,
+)
 
 
 class ReportOptions(Request):
@@ -42,8 +48,7 @@ class ReportOptions(Request):
 def run_report(options: ReportOptions, typed: str) -> int:
     """Rebuild a report from one folder, or combine several; print what changed against old results."""
     from indoor_explorers.env.errors import InputError
-    from indoor_explorers.evaluation.analysis.changes.against import compare_with
-    from indoor_explorers.evaluation.analysis.changes.against_table import against_lines
+    from indoor_explorers.evaluation.analysis.against import against_lines, compare_with
     from indoor_explorers.evaluation.harness.results.combine import combined
     from indoor_explorers.evaluation.harness.results.custom_metrics import with_metrics
     from indoor_explorers.evaluation.harness.results.results import Results

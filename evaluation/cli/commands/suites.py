@@ -7,8 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from indoor_explorers.evaluation.cli.command import Command, make_console, print_line
-from indoor_explorers.evaluation.harness.experiment.request import DATA_FOLDERS, Request
-from indoor_explorers.evaluation.harness.options import Option
+from indoor_explorers.evaluation.harness.experiment.request import DATA_FOLDERS, Option, Request
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -26,7 +25,7 @@ class SuitesOptions(Request):
 
 
 def run_suites(options: SuitesOptions, typed: str) -> int:
-    """Print a table of all suites, or what one is made of."""
+    """Print a table of all suites, or the scenarios, parts and data of some."""
     from indoor_explorers.env.scenarios.suites.catalogue import suite_of, suites
 
     console = make_console()

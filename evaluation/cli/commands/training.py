@@ -6,8 +6,15 @@ from pathlib import Path
 from typing import Annotated
 
 from indoor_explorers.evaluation.cli.command import Command, make_console, print_line
-from indoor_explorers.evaluation.harness.experiment.request import NO_SETTINGS, SEED, Request, Settings
-from indoor_explorers.evaluation.harness.options import Option, read_count, read_names
+from indoor_explorers.evaluation.harness.experiment.request import (
+    NO_SETTINGS,
+    SEED,
+    Option,
+    Request,
+    Settings,
+    read_count,
+    read_names,
+)
 
 COUNT = Option(metavar="N", read=read_count)
 DEFAULT_SCENARIO = "thesis-obstacles"

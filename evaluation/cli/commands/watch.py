@@ -12,10 +12,13 @@ from indoor_explorers.evaluation.harness.experiment.request import (
     SEED,
     TEAM,
     ComparisonRequest,
+    Option,
     Request,
     Settings,
+    read_count,
+    read_names,
+    read_rate,
 )
-from indoor_explorers.evaluation.harness.options import Option, read_count, read_names, read_rate
 
 
 class WatchOptions(Request):

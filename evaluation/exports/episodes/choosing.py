@@ -37,9 +37,9 @@ def chosen_record(results: Results, where: str, wanted: dict[str, Any]) -> Recor
     if len(found) == 1:
         return found[0]
     several = _undecided(found)
-    told = "; ".join(_listed(key, found) for key in several)
+    differing = "; ".join(_listed(key, found) for key in several)
     options = " and ".join(f"--{key}" for key in several)
-    raise InputError(f"{where}: expected one episode, got {len(found)}: {told}; choose with {options}")
+    raise InputError(f"{where}: expected one episode, got {len(found)}: {differing}; choose with {options}")
 
 
 def _undecided(records: Sequence[Record]) -> list[str]:

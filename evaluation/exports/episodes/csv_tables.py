@@ -29,8 +29,8 @@ def write_csv(record: Record, scenario: Scenario, folder: Path, step_seconds: fl
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(COLUMNS)
         writer.writerows(_rows(record, scenario))
-    told = facts_of(record, step_seconds) | {"metrics": record.metrics, "settings": scenario.model_dump(mode="json")}
-    meta.write_text(json.dumps(told, indent=2) + "\n", "utf-8")
+    about = facts_of(record, step_seconds) | {"metrics": record.metrics, "settings": scenario.model_dump(mode="json")}
+    meta.write_text(json.dumps(about, indent=2) + "\n", "utf-8")
 
 
 def _rows(record: Record, scenario: Scenario) -> Iterator[tuple[Any, ...]]:

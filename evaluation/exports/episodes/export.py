@@ -73,7 +73,7 @@ def export_episode(
 
 
 def _step_seconds(record: Record, step_seconds: float | None, speed: float | None) -> float:
-    """Return the seconds of a step; by speed, those of one cell."""
+    """Return the seconds of a step; given a speed, the time to fly one cell."""
     if step_seconds is not None and speed is not None:
         raise InputError("expected the seconds of a step or a speed, got both; leave one out")
     given = next((value for value in (step_seconds, speed) if value is not None), 1.0)

@@ -1,6 +1,6 @@
 """ROS 2 messages of an episode: grids, poses, paths, scans, markers and frames.
 
-The types are those of rosbags, whose fields are the message definitions of ROS; all of them are the same from ROS 2
+The types come from rosbags and follow the message definitions of ROS, which are the same from ROS 2
 Humble to Lyrical.
 """
 

@@ -1,4 +1,4 @@
-"""Print figures of profiles, Pareto front, rank plot and sweeps, drawn from the same data as those of the page."""
+"""Print figures of profiles, Pareto front, rank plot and sweeps, drawn from the same data as on the page."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis as MatplotlibAxis
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, PercentFormatter, ScalarFormatter
+from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, ScalarFormatter
 
 from indoor_explorers.evaluation.analysis.comparison import Comparison
 from indoor_explorers.evaluation.analysis.outliers import far_behind
@@ -19,7 +19,7 @@ from indoor_explorers.evaluation.analysis.panels.sweep_panels import SweepPanel,
 from indoor_explorers.evaluation.analysis.task_times import TaskTimes
 from indoor_explorers.evaluation.drawing.formatting import counted
 from indoor_explorers.evaluation.drawing.palette import PolicyStyle, Styles
-from indoor_explorers.evaluation.drawing.print_style import COLUMN, PAGE, plain, strokes
+from indoor_explorers.evaluation.drawing.print_style import COLUMN, PAGE, percent_axis, plain, strokes
 from indoor_explorers.evaluation.exports.figures.layout import add_legend, add_note, paper
 from indoor_explorers.evaluation.harness.results.results import Results
 from indoor_explorers.evaluation.statistics import FEWEST
@@ -49,7 +49,7 @@ def scenario_figures(comparison: Comparison, styles: Styles) -> Iterator[tuple[s
 
 
 def sweep_figures(results: Results, styles: Styles) -> Iterator[tuple[str, Figure]]:
-    """Yield a figure for each sweep of radio and team, and one for those of all other settings, by file name."""
+    """Yield a figure for each sweep of radio and team, and one for the sweeps of all other settings, by file name."""
     sections = sweep_sections(results, styles)
     for kind, panels in (("radio", sections.radio), ("teams", sections.team)):
         for number, panel in enumerate(panels, 1):
@@ -117,7 +117,7 @@ def _ticks(axis: MatplotlibAxis, about: PlotAxis) -> None:
     elif not about.log:
         axis.set_major_locator(MaxNLocator(5))
     if about.share:
-        axis.set_major_formatter(PercentFormatter(1.0, decimals=0, symbol=" %"))
+        percent_axis(axis)
 
 
 def _draw_series(axes: Axes, series: PlotSeries) -> None:

@@ -7,14 +7,15 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator, PercentFormatter
+from matplotlib.ticker import MaxNLocator
 
 from indoor_explorers.evaluation.analysis.comparison import Comparison
 from indoor_explorers.evaluation.analysis.coverage_axes import coverage_at, focus_step, sampled_steps
 from indoor_explorers.evaluation.analysis.facts import denominator
 from indoor_explorers.evaluation.analysis.outliers import near_groups
+from indoor_explorers.evaluation.drawing.formatting import span
 from indoor_explorers.evaluation.drawing.palette import PolicyStyle, Styles, crowded
-from indoor_explorers.evaluation.drawing.print_style import PAGE, plain, strokes
+from indoor_explorers.evaluation.drawing.print_style import PAGE, percent_axis, plain, strokes
 from indoor_explorers.evaluation.exports.figures.layout import add_legend, add_note, paper
 from indoor_explorers.evaluation.harness.episodes.metrics import LEVELS, MEASURES
 from indoor_explorers.evaluation.statistics import FEWEST, curve_band
@@ -41,7 +42,7 @@ def coverage_figure(comparison: Comparison, styles: Styles) -> Figure:
     settings = comparison.results.scenarios[comparison.scenario]
     axes.set_ylabel("coverage of the team:\n" + denominator(settings).replace("free cells ", "free cells\n"))
     axes.set_yticks(sorted({0, 0.25, 0.5, 0.75, *shares}))
-    axes.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0, symbol=" %"))
+    percent_axis(axes.yaxis)
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     add_legend(figure, list(comparison.groups), styles, labels)
     _footnote(figure, comparison, "" if banded else " are left out, as they would overlap")
@@ -121,6 +122,5 @@ def _rim(dots: dict[str, Any]) -> dict[str, Any]:
 def _footnote(figure: Figure, comparison: Comparison, more: str = "") -> None:
     """Write a note below the figure that says what it shows."""
     counts = [len(records) for records in comparison.groups.values()]
-    span = f"{min(counts)}" if min(counts) == max(counts) else f"{min(counts)} to {max(counts)}"
     how = "95 % bootstrap intervals" if min(counts) >= FEWEST else "too few for intervals"
-    add_note(figure, f"Means over {span} episode{'' if max(counts) == 1 else 's'} a policy, {how}{more}.")
+    add_note(figure, f"Means over {span(counts)} episode{'' if max(counts) == 1 else 's'} a policy, {how}{more}.")

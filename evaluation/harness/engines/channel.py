@@ -1,4 +1,4 @@
-"""One end of a connection to a process that may send anything, slowly, in part or without end: it never blocks."""
+"""A connection to an untrusted process that never blocks, whatever that sends, however slowly or incompletely."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _SIZE = struct.Struct("!i")
 
 
 class Channel:
-    """Sends and receives messages, framed as the other end, a plain connection of multiprocessing, does below 2 GB."""
+    """Sends and receives messages in the format of multiprocessing's connections for less than 2 GB."""
 
     def __init__(self, connection: Connection, longest: int) -> None:
         """Take over a connection; messages of more than ``longest`` bytes are refused."""
@@ -23,7 +23,7 @@ class Channel:
 
     @property
     def events(self) -> int:
-        """What there is to wait for."""
+        """The poll events to wait for."""
         return select.POLLIN | (select.POLLOUT if self._unsent else 0)
 
     def fileno(self) -> int:
@@ -31,12 +31,12 @@ class Channel:
         return self._connection.fileno()
 
     def send(self, message: bytes) -> None:
-        """Send what can be sent at once, and the rest in :meth:`transfer`; nothing where nobody reads any more."""
+        """Send as much as possible at once, and the rest in :meth:`transfer`; nothing if the other end is closed."""
         self._unsent = memoryview(bytes(self._unsent) + _SIZE.pack(len(message)) + message)
         self._write()
 
     def transfer(self) -> None:
-        """Write and read what can be at once.
+        """Write and read as much as possible without waiting.
 
         Raises:
             EOFError: the other end is closed.
@@ -57,7 +57,7 @@ class Channel:
         """Return the next message, None while it is not complete.
 
         Raises:
-            ValueError: it would be too long.
+            ValueError: its length exceeds the limit.
 
         """
         if len(self._read) < _SIZE.size:

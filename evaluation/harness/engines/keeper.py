@@ -1,7 +1,7 @@
-"""The keeper: a process between one that serves and its parent. When either ends, it ends all that the other began.
+"""The keeper: a process between a serving process and its parent, which ends all descendants when either ends.
 
-It is the subreaper of what it keeps: processes whose parents are gone become its children, whatever session they made.
-So it finds all of them, and none outlives the command. It runs no code of a policy, and Linux only.
+It is their subreaper: orphaned descendants become its children, whatever session they are in. So it finds all of them,
+and none outlives the command. It runs no code of a policy, and exists on Linux only.
 """
 
 from __future__ import annotations
@@ -17,21 +17,22 @@ from typing import NoReturn
 
 from indoor_explorers.evaluation.harness.engines.process_tree import PROC, ProcessTree, all_pids, process_of
 
-#: The most processes and the most threads of what a process serves, itself included.
+#: The most processes and the most threads of a serving process, itself included.
 MOST_PROCESSES, MOST_THREADS = 64, 1024
-#: The exit code that tells of more than these.
+#: The exit code of a keeper whose process had more than these.
 CROWDED = 97
-#: Seconds between two looks at the parent and at the number of processes.
+#: Seconds between two checks of the parent and of the number of processes.
 INTERVAL = 0.25
-#: Looks for processes that were killed and have not ended yet.
+#: Checks for processes that were killed and have not ended yet.
 LAST_LOOKS = 40
 _PR_SET_PDEATHSIG, _PR_SET_CHILD_SUBREAPER = 1, 36
 
 
 def begin_kept(parent: int, connection: Connection, most: int = MOST_PROCESSES) -> int:
-    """Go on in a child of this process, which stays behind to keep it; return who its parent is.
+    """Fork this process: continue in the child, whose keeper this process becomes; return the child's parent.
 
-    ``most``: processes. What this process shares with ``parent``, such as ``connection``, is the child's from now on.
+    ``most`` limits the number of processes. What this process shares with ``parent``, such as ``connection``, passes to
+    the child.
     """
     if sys.platform != "linux":
         return parent
@@ -50,7 +51,7 @@ def begin_kept(parent: int, connection: Connection, most: int = MOST_PROCESSES) 
 
 
 def _limit_processes() -> None:
-    """Have the system refuse processes far beyond those that the user has now; it refuses root none."""
+    """Have the system refuse many more processes than the user has now; root is exempt."""
     mine = [process for pid in all_pids() if _is_mine(pid) and (process := process_of(pid))]
     _, hard = resource.getrlimit(resource.RLIMIT_NPROC)
     most = sum(process.threads for process in mine) + 2 * MOST_THREADS
@@ -66,11 +67,11 @@ def _is_mine(pid: int) -> bool:
 
 
 def _keep(child: int, parent: int, most: int) -> NoReturn:
-    """Hand interruptions on until child or parent ends; then end whatever is left, and end as the child did."""
+    """Forward interruptions until child or parent ends; then kill all descendants, and exit as the child did."""
     tree, status = ProcessTree(os.getpid()), None
     while status is None and os.getppid() == parent:
-        told = signal.sigtimedwait((signal.SIGCHLD, signal.SIGUSR1), INTERVAL)
-        if told is not None and told.si_signo == signal.SIGUSR1:
+        received = signal.sigtimedwait((signal.SIGCHLD, signal.SIGUSR1), INTERVAL)
+        if received is not None and received.si_signo == signal.SIGUSR1:
             os.kill(child, signal.SIGUSR1)
         elif len(tree.update()) > most or tree.threads() > MOST_THREADS:
             tree.kill()
@@ -86,7 +87,7 @@ def _keep(child: int, parent: int, most: int) -> NoReturn:
 
 
 def _reaped(child: int) -> int | None:
-    """Bury all children that have ended; return the status of this one if it is among them."""
+    """Reap all children that have ended; return the status of ``child`` if it is among them."""
     status = None
     with contextlib.suppress(ChildProcessError):
         while (ended := os.waitpid(-1, os.WNOHANG))[0]:

@@ -1,4 +1,4 @@
-"""The facts of policies before they fly; code from outside this package is imported in a process of its own."""
+"""Loads policies before they fly; code from outside this package is imported in a process of its own."""
 
 from __future__ import annotations
 
@@ -12,23 +12,23 @@ from indoor_explorers.env.policies.registry import is_own_policy
 from indoor_explorers.evaluation.harness.engines.policy_handle import PolicyHandle, ProcessEnded
 from indoor_explorers.evaluation.harness.engines.policy_process import LOADING
 from indoor_explorers.evaluation.harness.engines.process_handle import ProcessExit
-from indoor_explorers.evaluation.harness.episodes.shared_clock import overdue_reason
+from indoor_explorers.evaluation.harness.episodes.shared_memory import overdue_reason
 from indoor_explorers.evaluation.harness.experiment.experiment import PolicyChoice
 from indoor_explorers.evaluation.harness.experiment.limits import Limits
 from indoor_explorers.evaluation.harness.experiment.policy_facts import checked_facts, policy_facts
 
 #: Policies that are asked at the same time.
 AT_ONCE = 2
-#: What identifies a policy under several names.
+#: Identity of a policy, which may have several names in results.
 Key = tuple[str, str]
 Answer = TypeVar("Answer")
 
 
 class PolicyLoader:
-    """Asks policies something before they fly, several at a time; use as a context manager.
+    """Asks policies questions before they fly, several at a time; use as a context manager.
 
-    One from outside this package is made in a process of its own, which answers all questions about it, so that
-    nothing it does reaches this process. Without limits, all are made here.
+    A policy from outside this package is made in a process of its own, which answers all questions about it. Without
+    limits, all are made in this process.
     """
 
     def __init__(self, limits: Limits | None) -> None:
@@ -43,7 +43,7 @@ class PolicyLoader:
         self.close()
 
     def close(self) -> None:
-        """End the processes and the threads that wait for them; nothing can be asked after that."""
+        """End the processes and the threads that wait for them; no question is possible after that."""
         for process in list(self._processes.values()):
             process.kill()
         self._threads.shutdown(cancel_futures=True)
@@ -54,13 +54,13 @@ class PolicyLoader:
         """Return the facts of policies by name; each is made once for this.
 
         Raises:
-            InputError: one cannot be imported or made, ends its process, takes too long, or tells something unusable.
+            InputError: a policy cannot be imported or made, ends its process, takes too long, or has invalid facts.
 
         """
         return dict(zip((choice.name for choice in choices), self.of_each(choices, self._facts), strict=True))
 
     def of_each(self, choices: Sequence[PolicyChoice], ask: Callable[[PolicyChoice], Answer]) -> list[Answer]:
-        """Return what ``ask`` returns for each policy; of one under several names it is asked once."""
+        """Return the result of ``ask`` for each policy; policies of one identity are asked once."""
         different: dict[Key, PolicyChoice] = {}
         for choice in choices:
             different.setdefault(key_of(choice), choice)
@@ -82,22 +82,22 @@ class PolicyLoader:
             answer = self.process(choice, self._limits).ask("facts", choice)
         except ProcessEnded as ended:
             raise InputError(_died(choice, ended.how, self._limits)) from ended
-        told = answer if isinstance(answer, dict) else {}
-        if isinstance(refused := told.get("refused"), str):
+        reply = answer if isinstance(answer, dict) else {}
+        if isinstance(refused := reply.get("refused"), str):
             raise InputError(one_line(refused, 3 * LONGEST))
         try:
-            return checked_facts(told.get("facts"), choice.use)
+            return checked_facts(reply.get("facts"), choice.use)
         except InputError as error:
             raise InputError(f"policy {choice.name!r}: {error}; correct it or leave it out") from error
 
 
 def key_of(choice: PolicyChoice) -> Key:
-    """Return what policies under several names have in common."""
+    """Return the identity of a policy."""
     return choice.use, repr(choice.parameters)
 
 
 def _died(choice: PolicyChoice, ended: ProcessExit, limits: Limits) -> str:
-    """Say what a policy did to the process that it was loaded in, and what to do about it."""
+    """Say how a policy ended the process that loaded it, and how to mend that."""
     limit = limits.decision_timeout
     if limit is not None and ended.reason == overdue_reason(limit):
         return f"policy {choice.name!r}: {overdue_reason(limit).replace('decision', LOADING, 1)}"

@@ -11,7 +11,7 @@ from indoor_explorers.env.errors import RunError
 from indoor_explorers.env.policies.registry import is_own_policy
 from indoor_explorers.evaluation.harness.engines.policy_process import serve_policy
 from indoor_explorers.evaluation.harness.engines.process_handle import STARTS, UNREADABLE, ProcessExit, ProcessHandle
-from indoor_explorers.evaluation.harness.episodes.shared_views import SharedViews
+from indoor_explorers.evaluation.harness.episodes.shared_memory import SharedViews
 from indoor_explorers.evaluation.harness.experiment.experiment import PolicyChoice
 from indoor_explorers.evaluation.harness.experiment.limits import Limits
 
@@ -25,7 +25,7 @@ class ProcessEnded(Exception):
 
 
 class PolicyHandle(ProcessHandle):
-    """One process that holds a policy. What it answers is JSON, and is not trusted."""
+    """One process that holds a policy. Its answers are JSON, and are not trusted."""
 
     def __init__(self, limits: Limits) -> None:
         self.views = SharedViews()
@@ -85,13 +85,13 @@ class PolicyHandle(ProcessHandle):
             raise self.unreadable() from error
 
     def unreadable(self) -> ProcessEnded:
-        """Kill the process, since an answer is not what it has to be; return the error to raise."""
+        """Kill the process because of an invalid answer; return the error to raise."""
         self.kill()
         return ProcessEnded(ProcessExit(UNREADABLE, fresh=self._jobs <= 1))
 
 
 class PolicyHost:
-    """Keeps one process for isolated policies; one that has loaded a policy from outside serves no other one."""
+    """Keeps one process for isolated policies; after a policy from outside this package it serves no other."""
 
     def __init__(self, limits: Limits) -> None:
         self._limits = limits

@@ -1,6 +1,6 @@
-"""The code of the process of an isolated policy: it never has the world, only what is asked and shown.
+"""The process of an isolated policy: it never has the world, only questions and the views of its UAVs.
 
-It answers in JSON, so that the process that asks it runs nothing that a policy may have made.
+It answers in JSON, so that the other process never runs code from a policy, as unpickling could.
 """
 
 from __future__ import annotations
@@ -28,20 +28,18 @@ from indoor_explorers.evaluation.harness.episodes.pilots import (
     Tallies,
     any_briefing,
 )
-from indoor_explorers.evaluation.harness.episodes.shared_clock import DecisionTimeout
-from indoor_explorers.evaluation.harness.episodes.shared_views import SharedViews
+from indoor_explorers.evaluation.harness.episodes.shared_memory import DecisionTimeout, SharedViews
 from indoor_explorers.evaluation.harness.experiment.experiment import PolicyChoice
 from indoor_explorers.evaluation.harness.experiment.policy_facts import policy_facts
 
-#: What is timed when a policy is loaded.
+#: Stands for "decision" in the message about a policy that takes too long to load.
 LOADING = "importing and making it"
 
 
 def serve_policy(connection: Connection, views: SharedViews, parent: int) -> None:
     """Answer questions until the connection closes; the first answer says that this process has started.
 
-    A question is the name of a method of :class:`PolicyServer` and its arguments. When the parent is gone, no code of
-    a policy is run any more.
+    A question is the name of a method of :class:`PolicyServer` and its arguments. The process exits with its parent.
     """
     begin_serving(views.clock, connection, parent)
     server = PolicyServer(views)
@@ -54,7 +52,7 @@ def serve_policy(connection: Connection, views: SharedViews, parent: int) -> Non
 
 
 class PolicyServer:
-    """Holds one policy and its pilots; every method returns what JSON can hold."""
+    """Holds one policy and its pilots; every method returns a value that JSON can represent."""
 
     def __init__(self, views: SharedViews) -> None:
         self._views, self._clock = views, views.clock
@@ -72,7 +70,7 @@ class PolicyServer:
         return {"facts": facts}
 
     def load(self, choice: PolicyChoice) -> dict[str, str]:
-        """Make a policy; return why it is refused, or why it failed; empty if it is there."""
+        """Make a policy; return why it is refused, or why it failed; empty on success."""
         try:
             with self._clock:
                 self._pilots = LocalPilots(choice.make(), self._clock)
@@ -91,17 +89,15 @@ class PolicyServer:
         """Make the pilots of a new batch; return the episodes that failed, with the reason."""
         assert self._pilots is not None
         one = any_briefing(briefings)
-        uavs = [(episode, n) for episode, told in briefings.items() for n in range(len(told))]
+        uavs = [(episode, n) for episode, team in briefings.items() for n in range(len(team))]
         self._views.begin(uavs, one.shape, uncertain=one.scenario.uncertain)
-        mine = {episode: [_sealed(briefing) for briefing in told] for episode, told in briefings.items()}
+        mine = {episode: [_sealed(briefing) for briefing in team] for episode, team in briefings.items()}
         return list(self._pilots.brief(mine).items())
 
     def decide(self, shown: Sequence[tuple[Uav, tuple[Any, ...]]]) -> list[Decision | None] | None:
         """Return the decisions of some UAVs in order, None for one that is left out; None alone if the batch failed.
 
-        Args:
-            shown: The UAVs whose views are in the shared memory, with what these tell besides: their ``values_of``.
-
+        ``shown``: the UAVs whose arrays are in the shared memory, with the other fields of their views (``values_of``).
         """
         assert self._pilots is not None
         arrays = self._views.arrays
@@ -118,7 +114,7 @@ class PolicyServer:
 
 
 def _not_loaded(choice: PolicyChoice, error: BaseException) -> str:
-    """Say in one line why a policy cannot be loaded, and where in its code."""
+    """Say in one line why a policy cannot be loaded, with the place in its code."""
     text = describe_error(error)
     if isinstance(error, DecisionTimeout):
         return f"policy {choice.name!r}: {text.replace('decision', LOADING, 1)}"

@@ -19,7 +19,7 @@ from indoor_explorers.evaluation.harness.engines.keeper import CROWDED, MOST_PRO
 from indoor_explorers.evaluation.harness.engines.process_tree import ProcessTree, memory_of, process_of
 from indoor_explorers.evaluation.harness.engines.stopwatch import Stopwatch
 from indoor_explorers.evaluation.harness.episodes.record import FROM_OUTSIDE, KILLED, STOPPED, TOO_MUCH_MEMORY
-from indoor_explorers.evaluation.harness.episodes.shared_clock import SharedClock, overdue_reason
+from indoor_explorers.evaluation.harness.episodes.shared_memory import SharedClock, overdue_reason
 from indoor_explorers.evaluation.harness.experiment.limits import Limits
 
 #: Attempts to start a process.
@@ -30,13 +30,13 @@ ONE_THREAD = {name: "1" for name in ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPEN
 CHECK_INTERVAL = 0.25
 #: Seconds that an interrupted decision has to end before its process is killed.
 GRACE = 2.0
-#: Seconds that a process may take to end after it was told to, and that its keeper may.
+#: Seconds that a process, and its keeper, may take to end.
 SHUTDOWN_GRACE, KEEPER_GRACE = 5.0, 1.0
-#: Seconds that a process may be stopped while this one runs.
+#: Seconds that a process may be stopped (SIGSTOP) while this one runs.
 MOST_STOPPED = 3.0
 #: The most bytes of a message.
 LONGEST = 100_000_000
-#: Why an episode fails whose policy made its process answer in another way than it has to.
+#: The reason of a failure where the process of a policy sent an invalid answer.
 UNREADABLE = "the process of the policy sent an answer that cannot be read"
 
 
@@ -45,15 +45,15 @@ class ProcessExit(NamedTuple):
 
     reason: str
     from_outside: bool = False
-    """Whether something other than the policy may have ended it."""
+    """Whether a cause other than the policy may have ended it."""
     fresh: bool = True
     """Whether it had begun no job before the one in which it ended."""
 
 
 class ProcessHandle:
-    """One process that serves this one: a fresh interpreter that never imports the caller's main module.
+    """One process that serves this one, and its :mod:`~.keeper`.
 
-    Between the two is its :mod:`~.keeper`.
+    It is a fresh interpreter that never imports the caller's main module.
     """
 
     def __init__(
@@ -83,7 +83,7 @@ class ProcessHandle:
         return self._process.exitcode is not None
 
     def kill(self) -> None:
-        """Kill the process and all that it started."""
+        """Kill the process and all its descendants."""
         if self._tree.kill() and not self.ended:
             self._signal(signal.SIGCONT)  # to the keeper, which was stopped if the policy found it
             self._exit_code(KEEPER_GRACE)
@@ -92,7 +92,7 @@ class ProcessHandle:
             self._exit_code()
 
     def close(self) -> None:
-        """Kill the process and free what it shares."""
+        """Kill the process and free the shared memory."""
         self.kill()
         self._channel.close()
         self._shared.close()
@@ -163,7 +163,7 @@ class ProcessHandle:
         return code
 
     def _violation(self) -> str | None:
-        """Return which limit it violates, so that it has to be killed; None for none.
+        """Return which limit the process violates, for which it is killed; None for none.
 
         The time between two checks counts at most twice the interval, so that the policy is not blamed when the
         machine was asleep or the command was stopped by Ctrl-Z.

@@ -1,4 +1,4 @@
-"""The processes that a process started, directly or not, as Linux tells of them; on other systems there are none."""
+"""The descendants of a process and their memory, from Linux's /proc; other systems have none of this."""
 
 from __future__ import annotations
 
@@ -10,23 +10,23 @@ from pathlib import Path
 from typing import NamedTuple
 
 PROC = Path("/proc")
-#: Attempts to stop all of a tree, each of which finds what was started during the one before.
+#: Attempts to stop a whole tree; each finds the processes that were started during the one before.
 ROUNDS = 200
 
 
 class Process(NamedTuple):
-    """What the system tells of a process."""
+    """The facts of a process in /proc."""
 
     state: str
     """One letter: ``T`` and ``t`` for stopped."""
     parent: int
     threads: int
     started: int
-    """Clock ticks from the start of the machine: with the number, what identifies a process."""
+    """Clock ticks since the machine started: identifies a process, together with its number."""
 
 
 def process_of(pid: int) -> Process | None:
-    """Return what the system tells of a process, None where it has ended or the system does not tell."""
+    """Return the facts of a process, None if it has ended or there is no /proc."""
     try:
         words = (PROC / str(pid) / "stat").read_bytes().rpartition(b")")[2].split()
     except OSError:
@@ -37,7 +37,7 @@ def process_of(pid: int) -> Process | None:
 
 
 def all_pids() -> set[int]:
-    """Return the numbers of all processes of the machine, as far as the system tells them."""
+    """Return the numbers of all processes of the machine; none without /proc."""
     try:
         with os.scandir(PROC) as entries:
             return {int(entry.name) for entry in entries if entry.name.isdecimal()}
@@ -46,9 +46,9 @@ def all_pids() -> set[int]:
 
 
 class ProcessTree:
-    """The descendants of a process; those found once stay members when their parents are gone.
+    """The descendants of a process; once found, they stay members when their parents end.
 
-    Can be used by several threads: what one replaces, another may still read.
+    Can be used by several threads: sets are replaced, never changed.
     """
 
     def __init__(self, root: int) -> None:
@@ -57,7 +57,7 @@ class ProcessTree:
         self._started: dict[int, int] = {}
 
     def update(self) -> set[int]:
-        """Find and return the descendants that run now; only processes not seen before cost more than a look."""
+        """Find and return the descendants that run now; only new processes are examined."""
         present = all_pids() - {self._root}
         self._others = self._others & present
         found = {pid: process for pid in present - self._others if (process := process_of(pid))}
@@ -96,16 +96,16 @@ def _signal(pids: Iterable[int], number: signal.Signals) -> None:
 
 
 def busy_time(pid: int) -> float | None:
-    """Return the seconds that the threads of a process ran or waited for a core, None where nobody tells."""
-    told = [_words(path) for path in (PROC / str(pid) / "task").glob("*/schedstat")]
-    return sum(ran + waited for ran, waited, *_ in told) / 1e9 if told else None
+    """Return the seconds that the threads of a process ran or waited for a core, None without /proc."""
+    times = [_words(path) for path in (PROC / str(pid) / "task").glob("*/schedstat")]
+    return sum(ran + waited for ran, waited, *_ in times) / 1e9 if times else None
 
 
 def memory_of(pids: Iterable[int], limit: float = 0.0) -> int:
-    """Return the bytes of memory that processes use together, 0 where the system does not say.
+    """Return the bytes of memory that processes use together, 0 without /proc.
 
-    Pages that several of them share count once, as do files without a name in memory, mapped or not. Where even the
-    sum of what each sees is at most ``limit``, that is returned, which is quicker.
+    Pages that several of them share count once, as do anonymous files in memory, mapped or not. If the sum of what each
+    uses, shared pages included, is at most ``limit``, that is returned, which is quicker.
     """
     held = [PROC / str(pid) for pid in pids]
     files = _memory_files(held)
@@ -117,19 +117,19 @@ def memory_of(pids: Iterable[int], limit: float = 0.0) -> int:
 
 
 def _memory_files(processes: Iterable[Path]) -> int:
-    """Return the bytes of the files without a name in memory that processes have open."""
+    """Return the bytes of the anonymous files in memory (memfd) that processes have open."""
     found: dict[int, int] = {}
     for each in processes:
-        with contextlib.suppress(OSError):  # a process or a file that is gone
+        with contextlib.suppress(OSError):  # the process or the file does not exist any more
             for entry in list((each / "fd").iterdir()):
                 if str(entry.readlink()).startswith("/memfd:"):
-                    told = entry.stat()
-                    found[told.st_ino] = 512 * told.st_blocks
+                    file = entry.stat()
+                    found[file.st_ino] = 512 * file.st_blocks
     return sum(found.values())
 
 
 def _words(path: Path, *names: str) -> list[int]:
-    """Return the numbers in a file, of which only those of the lines with these names if any; zeros for none."""
+    """Return the numbers in the first line of a file, or those of the lines with these names; zeros if missing."""
     try:
         lines = [line.split() for line in path.read_text().splitlines()]
     except OSError:

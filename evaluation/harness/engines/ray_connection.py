@@ -16,7 +16,7 @@ from indoor_explorers.env.errors import InputError
 
 #: Seconds that the head of a cluster may take to answer.
 ANSWER_WITHIN = 5.0
-#: Ray sends no usage statistics and says nothing of accelerators.
+#: Turns off Ray's usage statistics and its messages about accelerators.
 QUIET = {"RAY_USAGE_STATS_ENABLED": "0", "RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO": "0"}
 #: The connection preface of HTTP/2, the protocol of a cluster's head, with empty settings (RFC 9113, section 3.4).
 GREETING = b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n" + bytes([0, 0, 0, 4, 0, 0, 0, 0, 0])

@@ -44,7 +44,7 @@ KEPT = "the finished episodes are kept, and the same command goes on from there"
 
 
 class Origin(NamedTuple):
-    """What a job needs on its node as it is where the command runs."""
+    """The environment of the command, which a job needs on its node too."""
 
     folder: str
     """The working folder, from which relative paths in a policy's parameters are read."""

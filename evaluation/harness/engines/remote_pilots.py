@@ -12,24 +12,30 @@ from indoor_explorers.env.policies.policy import checked_action
 from indoor_explorers.env.policies.view import message_numbers, values_of
 from indoor_explorers.env.simulation.rollout import Uav
 from indoor_explorers.evaluation.harness.engines.policy_handle import PolicyHandle
-from indoor_explorers.evaluation.harness.episodes.pilots import BatchFailed, Decision, Tallies, any_briefing
-from indoor_explorers.evaluation.harness.episodes.tallies import PREFIX, mean_tallies
+from indoor_explorers.evaluation.harness.episodes.pilots import (
+    PREFIX,
+    BatchFailed,
+    Decision,
+    Tallies,
+    any_briefing,
+    mean_tallies,
+)
 from indoor_explorers.evaluation.harness.experiment.experiment import Job
 
-#: Seconds by which what a process tells of its decisions may exceed the time from the question to the answer.
+#: Seconds by which the decision times that a process reports may exceed the time from question to answer.
 TOLERANCE = 0.01
-#: What reading an answer raises that is not what it has to be.
+#: Errors of reading an invalid answer.
 UNEXPECTED = (TypeError, ValueError, LookupError, AttributeError, OverflowError)
 
 
 class RemotePilots:
     """The pilots of an isolated policy: see :class:`~indoor_explorers.evaluation.harness.episodes.pilots.Pilots`.
 
-    All methods raise :class:`~.policy_handle.ProcessEnded` if the process ends, or answers what it must not.
+    All methods raise :class:`~.policy_handle.ProcessEnded` if the process ends, or sends an invalid answer.
     """
 
     def __init__(self, process: PolicyHandle, job: Job) -> None:
-        """Have the policy of a job made there.
+        """Have the process make the policy of a job.
 
         Raises:
             InputError: it cannot be made.
@@ -40,10 +46,10 @@ class RemotePilots:
         self._actions = 5
         self.privileged = job.privileged
         with self._checking:
-            told = process.load(job.policy)
-            if "refused" in told:
-                raise InputError(_line(told["refused"]))
-            self._failure = _line(told.get("failed", ""))
+            reply = process.load(job.policy)
+            if "refused" in reply:
+                raise InputError(_line(reply["refused"]))
+            self._failure = _line(reply.get("failed", ""))
 
     def brief(self, briefings: Mapping[int, Sequence[Briefing]]) -> dict[int, str]:
         """Make the pilots of a new batch."""
@@ -51,14 +57,14 @@ class RemotePilots:
             return dict.fromkeys(briefings, self._failure)
         one = any_briefing(briefings)
         self._actions = one.scenario.actions
-        uavs = [(episode, agent) for episode, told in briefings.items() for agent in range(len(told))]
+        uavs = [(episode, agent) for episode, team in briefings.items() for agent in range(len(team))]
         self._process.views.begin(uavs, one.shape, writing=True, uncertain=one.scenario.uncertain)
         with self._checking:
             failed = self._process.ask("brief", dict(briefings))
             return {_one_of(briefings, episode): _line(reason) for episode, reason in failed}
 
     def decide(self, views: Mapping[Uav, View]) -> dict[Uav, Decision]:
-        """Ask for the decisions of all UAVs at once; there, one UAV is asked after the other unless in a batch."""
+        """Ask for the decisions of all UAVs in one message; the process asks an unbatched policy UAV by UAV."""
         shown = []
         for uav, view in views.items():
             self._process.views.write(uav, view)
@@ -71,9 +77,9 @@ class RemotePilots:
                 raise BatchFailed
             pairs = zip(views, answers, strict=True)
             decided = {uav: _decision(self._actions, *answer) for uav, answer in pairs if answer is not None}
-            told, measured = sum(each.seconds for each in decided.values()), self._process.seconds
-            if told > measured + TOLERANCE:
-                raise ValueError(f"expected decisions of at most {measured:.3g} s, got {told:.3g} s")
+            reported, measured = sum(each.seconds for each in decided.values()), self._process.seconds
+            if reported > measured + TOLERANCE:
+                raise ValueError(f"expected decisions of at most {measured:.3g} s, got {reported:.3g} s")
             return decided
 
     def tally(self, episodes: Collection[int]) -> dict[int, Tallies | str]:
@@ -81,8 +87,8 @@ class RemotePilots:
         if self._failure:
             return {}
         with self._checking:
-            told = self._process.ask("tally", list(episodes))
-            return {_one_of(episodes, episode): _tallies(tallies) for episode, tallies in told}
+            reply = self._process.ask("tally", list(episodes))
+            return {_one_of(episodes, episode): _tallies(tallies) for episode, tallies in reply}
 
     def close(self) -> None:
         """Have the policy deleted."""
@@ -90,7 +96,7 @@ class RemotePilots:
 
 
 class _Checking:
-    """Ends the process if an answer is not what it has to be; a generator would take longer than all else here."""
+    """Ends the process if an answer is invalid; quicker than a generator, which would dominate the time here."""
 
     def __init__(self, process: PolicyHandle) -> None:
         self._process = process
@@ -126,11 +132,11 @@ def _decision(
         raise ValueError(str(error)) from error
 
 
-def _tallies(told: Any) -> Tallies | str:
+def _tallies(reply: Any) -> Tallies | str:
     """Return statistics, or why they cannot be used."""
-    if isinstance(told, str):
-        return _line(told)
+    if isinstance(reply, str):
+        return _line(reply)
     try:
-        return mean_tallies([{name.removeprefix(PREFIX): value for name, value in told.items()}])
+        return mean_tallies([{name.removeprefix(PREFIX): value for name, value in reply.items()}])
     except InputError as error:
         return str(error)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -21,13 +22,13 @@ LEAST = 0.1
 
 
 class RemotePolicy(Policy):
-    """Stands for an isolated policy; fly one batch of episodes after the other.
+    """Proxy of an isolated policy; fly one batch of episodes after the other.
 
-    The process has some ``seconds`` for all that it is asked; one that takes longer is killed.
+    The time limit of its process holds for all decisions together; a policy that takes longer is killed.
     """
 
-    def __init__(self, process: PolicyHandle, job: Job, facts: Mapping[str, Any], seconds: float) -> None:
-        """Have the policy of a job made there.
+    def __init__(self, process: PolicyHandle, job: Job, facts: Mapping[str, Any]) -> None:
+        """Have the process make the policy of a job.
 
         Raises:
             InputError: it cannot be made.
@@ -36,19 +37,14 @@ class RemotePolicy(Policy):
 
         """
         # variables of the class in other policies
-        vars(self).update(uses_generator=facts["uses_generator"], map_shape=facts.get("map_shape"))
-        self.seconds_left = seconds
+        vars(self).update({name: facts.get(name) for name in ("batched", "uses_generator", "map_shape")})
+        self.seconds_left = process.limits.decision_timeout or math.inf
         self.ended: ProcessExit | None = None
         """How its process ended or was killed; None while it runs."""
         self._process = process
-        self._batch = _Batch()
+        self._batch = _Briefings()
         with self._timed():
             self._remote = RemotePilots(process, job)
-
-    @classmethod
-    def of(cls, process: PolicyHandle, job: Job, facts: Mapping[str, Any], seconds: float) -> RemotePolicy:
-        """Return one that asks for many UAVs at once if the policy itself is asked so; see the constructor."""
-        return (BatchedRemotePolicy if facts["batched"] else RemotePolicy)(process, job, facts, seconds)
 
     @property
     def killed(self) -> bool:
@@ -57,17 +53,17 @@ class RemotePolicy(Policy):
 
     @property
     def unjudged(self) -> bool:
-        """Whether it took too long, or the machine may have ended its process: what came after that tells nothing."""
+        """Whether it took too long, or the machine may have ended its process, so that no verdict is possible."""
         return self.seconds_left < 0 or self.killed
 
     def pilot(self, briefing: Briefing) -> Pilot:
-        """Make the pilot of one UAV; the pilots of a batch are briefed together when the first of them is asked."""
+        """Make the pilot of one UAV; all pilots of a batch are briefed together at the first decision."""
         if self._batch.begun:
-            self._batch = _Batch()
+            self._batch = _Briefings()
         return RemotePilot(self, self._batch.add(briefing))
 
-    def decide(self, pilots: Sequence[Pilot], views: Sequence[View]) -> list[int]:
-        """Return the actions of some UAVs of the batch.
+    def act(self, pilots: Sequence[Pilot], views: Sequence[View]) -> list[int]:
+        """Return the actions of one UAV of the batch, or of many if the policy is batched.
 
         Raises:
             PolicyError: the policy failed there, or no time is left.
@@ -89,7 +85,7 @@ class RemotePolicy(Policy):
 
     @contextmanager
     def _timed(self) -> Iterator[None]:
-        """Give the process the time that is left, and take the time of the block from it."""
+        """Limit the process to the remaining time, and subtract the time of the block from it."""
         begun = time.monotonic()
         self._process.limits = self._process.limits._replace(decision_timeout=max(self.seconds_left, LEAST))
         try:
@@ -103,29 +99,19 @@ class RemotePolicy(Policy):
             raise PolicyError("no time is left")
 
 
-class BatchedRemotePolicy(RemotePolicy):
-    """Asks for many UAVs at once."""
-
-    batched = True
-
-    def act(self, pilots: Sequence[Pilot], views: Sequence[View]) -> Sequence[int]:
-        """Return the actions of some UAVs."""
-        return self.decide(pilots, views)
-
-
 class RemotePilot(Pilot):
-    """Stands for a pilot in another process; ``uav`` is its place in the batch."""
+    """Proxy of a pilot in another process; ``uav`` is its episode and its number in the batch."""
 
     def __init__(self, policy: RemotePolicy, uav: Uav) -> None:
         self._policy, self.uav = policy, uav
 
     def act(self, view: View) -> int:
-        """Ask there."""
-        (action,) = self._policy.decide([self], [view])
+        """Ask its process alone."""
+        (action,) = self._policy.act([self], [view])
         return action
 
 
-class _Batch:
+class _Briefings:
     """The briefings of a batch, which are given episode by episode, UAV by UAV."""
 
     def __init__(self) -> None:

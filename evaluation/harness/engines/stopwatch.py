@@ -1,13 +1,13 @@
-"""The time that a process takes for its current decision, as another one measures it that believes it little."""
+"""Measures the current decision of another process, without trusting the times that this process notes."""
 
 from __future__ import annotations
 
 import time
 
 from indoor_explorers.evaluation.harness.engines.process_tree import busy_time
-from indoor_explorers.evaluation.harness.episodes.shared_clock import Clock
+from indoor_explorers.evaluation.harness.episodes.shared_memory import Clock
 
-#: Seconds that a process may spend with compiling, all in all, without their counting.
+#: Seconds of compiling that do not count, over the life of a process.
 MOST_COMPILING = 900.0
 
 
@@ -15,22 +15,22 @@ class Stopwatch:
     """Measures decisions of a process, from the question to the answer where the process is not trusted.
 
     A process notes in its clock when decisions begin and end and when it compiles. One that holds a policy could write
-    anything there. So the time starts anew only when more decisions have ended, and at most as many as it was asked
-    for; and after compiling only if its threads were busy then, up to :data:`MOST_COMPILING` with what was before.
+    anything there. So the time restarts only when more decisions have ended, at most as many as were asked for; and
+    after compiling only if its threads were busy then, for at most :data:`MOST_COMPILING` in all.
     """
 
     def __init__(self, clock: Clock) -> None:
         self._clock = clock
         self.asked = 0.0
-        """When the current decision began, as the process says."""
+        """When the current decision began, by the clock of the process."""
         self._began, self._waited, self._left = 0.0, 0.0, MOST_COMPILING
         self._due: float | None = None
-        """How many more decisions it is asked for; None where it is trusted."""
+        """Decisions that are still outstanding; None where the process is trusted."""
         self._ended, self._compiled = 0.0, 0.0
         self._busy: float | None = None
 
     def ask(self, decisions: int) -> None:
-        """Start anew, as the process is asked for so many decisions; it is not trusted from now on."""
+        """Restart, as the process is asked for this many decisions; it is not trusted from now on."""
         self._due, self._ended, self._compiled = decisions, self._clock.ended, self._clock.compiled
         self._began, self._waited = time.monotonic(), 0.0
 

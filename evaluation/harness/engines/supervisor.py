@@ -2,20 +2,55 @@
 
 from __future__ import annotations
 
+import pickle
+import sys
 import threading
 import weakref
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from indoor_explorers.env.errors import RunError
 from indoor_explorers.env.policies.registry import is_own_policy
 from indoor_explorers.env.simulation.spawns import draw_floorplan
-from indoor_explorers.evaluation.harness.engines.process_handle import STARTS, ProcessExit
-from indoor_explorers.evaluation.harness.engines.worker_handle import WorkerHandle
+from indoor_explorers.evaluation.harness.engines.process_handle import STARTS, ProcessExit, ProcessHandle
+from indoor_explorers.evaluation.harness.engines.worker import serve
 from indoor_explorers.evaluation.harness.episodes.record import FlownEpisode, Record
 from indoor_explorers.evaluation.harness.episodes.running import RunningEpisode, simulated_record
+from indoor_explorers.evaluation.harness.episodes.shared_memory import SharedStepBuffer
 from indoor_explorers.evaluation.harness.episodes.steps import Steps
 from indoor_explorers.evaluation.harness.experiment.experiment import Job, PolicyChoice
 from indoor_explorers.evaluation.harness.experiment.limits import Limits
+
+
+class WorkerHandle(ProcessHandle):
+    """One worker process."""
+
+    def __init__(self, limits: Limits) -> None:
+        self._buffer = SharedStepBuffer()
+        self._loaded = False
+        """Whether it holds a policy from outside this package."""
+        super().__init__(limits, self._buffer, serve, limits, longest=sys.maxsize)
+
+    def send(self, job: Job) -> None:
+        """Send a job, and clear the steps of the previous one; :meth:`receive` reports a dead worker."""
+        self._jobs += 1
+        self._buffer.begin()
+        self._loaded |= not job.isolated and not is_own_policy(job.policy.use)
+        self._channel.send(pickle.dumps(job, pickle.HIGHEST_PROTOCOL))
+
+    def receive(self) -> Any:
+        """Wait for its next message and return it, or its :class:`ProcessExit`; enforce the limits meanwhile."""
+        message = self._await_message()
+        return message if isinstance(message, ProcessExit) else pickle.loads(message)
+
+    @property
+    def _counted(self) -> set[int]:
+        """The worker and its descendants, without the process of an isolated policy, which has its own limit."""
+        return super()._counted if self._loaded else {self._server or self._process.pid}
+
+    def steps(self, team: int, base: bool = False) -> Steps:
+        """Return the steps of the single episode that it flies or flew last, with a home base or not."""
+        return self._buffer.steps(team, base)
+
 
 __all__ = ["Limits", "Supervisor"]
 
@@ -36,7 +71,7 @@ class _Attempt(NamedTuple):
 class Supervisor:
     """Fly jobs in one worker process, and replace it when it dies, hangs or takes too much memory.
 
-    The worker does the same to the process of an isolated policy, and tells how it ended.
+    The worker does the same to the process of an isolated policy, and reports how it ended.
 
     When a process dies in a job of several episodes, it is not known which of them was the cause. So those without a
     record are flown again one by one: episodes do not depend on their batch, and only the one at fault fails. An
@@ -44,7 +79,7 @@ class Supervisor:
     earlier one left behind; and where the process was killed from outside, only when that happens a second time.
 
     A process that has loaded a policy from outside this package serves no other one, since such a policy may change
-    whatever others rely on, on purpose or not. The package's own policies share a process.
+    modules that others use, on purpose or not. The package's own policies share a process.
 
     Safe to call from several threads; they take turns.
     """

@@ -1,7 +1,7 @@
 """The code of a worker process: it receives jobs, flies them and sends back the records.
 
 Limits on time and memory are enforced by the process that started it, see
-:mod:`indoor_explorers.evaluation.harness.engines.worker_handle`.
+:mod:`indoor_explorers.evaluation.harness.engines.supervisor`.
 """
 
 from __future__ import annotations
@@ -21,8 +21,7 @@ from indoor_explorers.evaluation.harness.engines.serving import begin_serving
 from indoor_explorers.evaluation.harness.episodes.failures import BREAKING, describe_error
 from indoor_explorers.evaluation.harness.episodes.record import Record
 from indoor_explorers.evaluation.harness.episodes.runner import fly
-from indoor_explorers.evaluation.harness.episodes.shared_clock import Clock
-from indoor_explorers.evaluation.harness.episodes.shared_steps import SharedStepBuffer
+from indoor_explorers.evaluation.harness.episodes.shared_memory import Clock, SharedStepBuffer
 from indoor_explorers.evaluation.harness.experiment.experiment import Job
 from indoor_explorers.evaluation.harness.experiment.limits import Limits
 
@@ -35,7 +34,7 @@ def serve(connection: Connection, buffer: SharedStepBuffer, driver: int, limits:
     """
     begin_serving(buffer.clock, connection, driver, most=2 * MOST_PROCESSES)
     host = PolicyHost(limits)
-    with contextlib.suppress(EOFError, BrokenPipeError, ConnectionResetError):  # the driver is gone
+    with contextlib.suppress(EOFError, BrokenPipeError, ConnectionResetError):  # the driver has ended
         connection.send(None)
         while True:
             _serve_job(connection.recv(), connection, buffer, host)

@@ -109,37 +109,30 @@ class Workload:
     def add(self, records: Sequence[FlownEpisode]) -> None:
         """Add stored episodes: what they cost, and the lower bounds of their tasks."""
         with self._lock:
-            self._add(records)
-
-    def _add(self, records: Sequence[FlownEpisode]) -> None:
-        for record in records:
-            pair = record.policy, record.task.scenario
-            seconds = float(record.seconds[-1]) + EPISODE + STEP * record.steps * record.team
-            self._bounds[record.task] = record.bound
-            self._flying[pair] -= 1
-            self._flown[pair] += 1
-            self._seconds[pair] += seconds
-        self._done.append((self._clock(), sum(self._seconds.values()) + self._flying_seconds() / 2))
+            for record in records:
+                pair = record.policy, record.task.scenario
+                self._bounds[record.task] = record.bound
+                self._flying[pair] -= 1
+                self._flown[pair] += 1
+                self._seconds[pair] += float(record.seconds[-1]) + EPISODE + STEP * record.steps * record.team
+            self._done.append((self._clock(), sum(self._seconds.values()) + self._flying_seconds() / 2))
 
     def seconds_left(self) -> float | None:
         """Estimate the seconds until all episodes are flown; None before enough is known.
 
-        That is when each policy was flown in each scenario, or a fifth of all episodes. The speed is that of the latest
-        half of the run, so that compiling at its start does not count.
+        Enough is one episode of each policy in each scenario, or a fifth of all. The speed is that of the latest half
+        of the run, so that compiling at its start does not count.
         """
         with self._lock:
-            return self._seconds_left()
-
-    def _seconds_left(self) -> float | None:
-        now, done = self._clock(), self._done
-        known = all(self._flown[pair] for pair in self._pairs) or 5 * sum(self._flown.values()) >= self._total
-        if done[-1][1] == 0.0 or not known:
-            return None
-        begun = done[0][0]
-        since, before = done[max(0, bisect_left(done, (begun + (now - begun) / 2, 0.0)) - 1)]
-        latest, spent = done[-1]
-        pace = (latest - since) / (spent - before) if spent > before else (now - begun) / spent
-        return (self._waiting_seconds() + self._flying_seconds() / 2) * pace
+            now, done = self._clock(), self._done
+            known = all(self._flown[pair] for pair in self._pairs) or 5 * sum(self._flown.values()) >= self._total
+            if done[-1][1] == 0.0 or not known:
+                return None
+            begun = done[0][0]
+            since, before = done[max(0, bisect_left(done, (begun + (now - begun) / 2, 0.0)) - 1)]
+            latest, spent = done[-1]
+            pace = (latest - since) / (spent - before) if spent > before else (now - begun) / spent
+            return (self._waiting_seconds() + self._flying_seconds() / 2) * pace
 
     def episode_seconds(self, pair: tuple[str, str]) -> float:
         """Estimate the seconds of an episode of a (policy, scenario) from those already flown.

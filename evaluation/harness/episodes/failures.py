@@ -1,4 +1,4 @@
-"""Describes what a policy raised: the reason of a failed episode."""
+"""Describes the exception of a policy: the reason of a failed episode."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from pathlib import Path
 
 from indoor_explorers.env import InputError
 from indoor_explorers.env.errors import PolicyError, debugging, described, one_line
-from indoor_explorers.evaluation.harness.episodes.shared_clock import DecisionTimeout
+from indoor_explorers.evaluation.harness.episodes.shared_memory import DecisionTimeout
 
 #: Exceptions of a policy that fail its episode; Ctrl-C does not.
 BREAKING = (Exception, SystemExit, DecisionTimeout)
-#: Folders whose code asks policies, and that of Python itself.
+#: Folders of the code that calls policies, and that of Python itself.
 _OURS = {Path(__file__).parents[3] / floor for floor in ("env", "evaluation")}
 _STDLIB = Path(sysconfig.get_path("stdlib"))
 
@@ -30,7 +30,7 @@ def describe_error(error: BaseException) -> str:
 
 
 def _place(error: BaseException) -> str:
-    """Return where a policy raised and what of it was called first; empty if it did not raise.
+    """Return where a policy raised and which of its functions was called first; empty if it did not raise.
 
     That is its own code, or a library's where none of its own was running.
     """

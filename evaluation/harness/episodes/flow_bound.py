@@ -1,11 +1,11 @@
 """The flow bound on the steps of a team: walks as flows whose steps must newly show the cells.
 
-Its linear program, and how prices of cells and potentials of states come close to its dual, is told in
+Its linear program, and how prices of cells and potentials of states come close to its dual, is described in
 :mod:`indoor_explorers.env.search.cell_prices`. Prices p and potentials f are made feasible here: no step from a to b
 may earn more than 1 + f(b) - f(a), where it earns the prices of the cells that it newly shows. Then a walk earns at
-most its length plus f at its end less f at its start, and a team that sees all but k cells earns all prices but the k
-dearest. So the steps of N UAVs together are at least the prices but the k dearest, plus f at the starts, less N times
-the largest f; the longest walk is at least an N-th of that.
+most its length plus f at its end less f at its start, and a team that sees all but k cells earns at least the sum of
+all prices without the k largest. So the steps of N UAVs together are at least this sum, plus f at the starts, less N
+times the largest f; the longest walk is at least an N-th of that.
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ from indoor_explorers.env.search.walk_graph import WalkGraph, walk_graph
 
 #: Most rounds of the search for prices, and most effort: rounds times steps and the cells that they show.
 ROUNDS, WORK = 600, 50_000_000
-#: Fewest rounds that lead anywhere, and those from which on states remember two cells, which is far better than one and
-#: twice as much work.
-FEW, ENOUGH = 30, 120
-#: Parts of the potentials that are tried: smaller ones differ less between neighbours, so that all steps may earn.
+#: Fewest rounds for a useful bound, and the rounds from which on states hold the last two cells, which gives a far
+#: better bound for twice the work.
+FEWEST, TWO_CELLS = 30, 120
+#: Factors of the potentials that are tried: smaller ones differ less between neighbours, so that all steps may earn.
 PARTS = (1.0, 0.97, 0.9, 0.8)
 
 
@@ -38,9 +38,9 @@ def flow_bound(table: VisibilityTable, team: int, missable: int) -> int:
     for start in range(team):
         add_visible(table, start, known)
     graph = walk_graph(table, team, 1, known)
-    if missable >= len(graph.unseen) or _rounds(graph) < FEW:
+    if missable >= len(graph.unseen) or _rounds(graph) < FEWEST:
         return 0
-    if _rounds(graph) >= ENOUGH:
+    if _rounds(graph) >= TWO_CELLS:
         graph = walk_graph(table, team, 2, known)
     found, best = cell_prices(graph, team, missable, _rounds(graph)), 0.0
     for part in PARTS:

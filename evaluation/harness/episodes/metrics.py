@@ -1,8 +1,7 @@
 """The metrics of an episode; their definitions are printed in the report.
 
-Coverage at step t is the share of the denominator that the team knows together, and shows rightly where sensors or
-poses err. T_q is the first step
-with coverage >= q.
+Coverage at step t is the share of the denominator in the map of the team, of correct cells alone where sensors or poses
+err. T_q is the first step with coverage >= q.
 """
 
 from __future__ import annotations
@@ -12,6 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+
+from indoor_explorers.evaluation.harness.episodes.steps import covered_columns
 
 #: Coverage thresholds whose first step is reported.
 LEVELS = {"t50": 0.50, "t90": 0.90, "t95": 0.95, "t98": 0.98, "t99": 0.99}
@@ -178,18 +179,19 @@ def team_metrics(covered: NDArray[np.integer], team: int, reachable: int, budget
         budget: steps.
 
     """
-    own = covered[:, 1 : 1 + team]
+    columns, base, _ = covered_columns(team)
+    own = covered[:, columns]
     return {
         **curve_metrics(covered[:, 0] / reachable, budget),
         "auc_worst": area_under_curve(own.min(axis=1) / reachable, budget),
         "t99_worst": first_step(own.min(axis=1) / reachable, LEVELS["t99"]),
         "auc_mean": area_under_curve(own.mean(axis=1) / reachable, budget),
-        **_base_metrics(covered[:, 1 + team :] / reachable, budget),
+        **_base_metrics(covered[:, base:] / reachable, budget),
     }
 
 
 def stop_metrics(curve: NDArray[np.floating], done: int) -> dict[str, float | None]:
-    """Return what ending a mission at step ``done`` would have cost and saved, from its coverage curve (S + 1,)."""
+    """Return the cost and the saving of ending a mission at step ``done``, from its (S + 1,) coverage curve."""
     reached = float(curve[done])
     return {
         "done_step": float(done),
@@ -200,7 +202,7 @@ def stop_metrics(curve: NDArray[np.floating], done: int) -> dict[str, float | No
 
 
 def _base_metrics(curves: NDArray[np.floating], budget: int) -> dict[str, float | None]:
-    """Return the metrics of the coverage (S + 1, 2) that the base and that anybody knows; none without a base."""
+    """Return the metrics of (S + 1, 2) coverage by the base's map and by all maps together; none without a base."""
     if curves.shape[1] == 0:
         return {}
     base, seen = curves.T

@@ -1,4 +1,4 @@
-"""Finds what of a record does not follow from its map, seed and actions."""
+"""Finds values of a record that do not follow from its map, seed and actions."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ NOT_SIMULATED = (*OF_THE_MACHINE, "messages_bytes")
 
 def mismatch(record: Record, scenario: Scenario) -> str:
     """Return in what an episode differs from its simulation by map, seed and actions; empty if in nothing."""
-    flight = RunningEpisode(0, record.task, record.floorplan, record.bound, failure=_failure(record))
+    failure = record.reason if record.outcome is Outcome.FAILED else ""
+    flight = RunningEpisode(0, record.task, record.floorplan, record.bound, failure=failure)
     again = simulated_record(flight, record.policy, scenario, record)
     for name in ("steps", "outcome", "reachable", "budget"):
         stored, simulated = getattr(record, name), getattr(again, name)
@@ -30,10 +31,6 @@ def mismatch(record: Record, scenario: Scenario) -> str:
         if name not in NOT_SIMULATED and not _equal(record.metrics.get(name), simulated):
             return f"{name} {record.metrics.get(name)}, simulated {simulated}"
     return ""
-
-
-def _failure(record: Record) -> str:
-    return record.reason if record.outcome is Outcome.FAILED else ""
 
 
 def _equal(stored: Any, simulated: Any) -> bool:

@@ -3,18 +3,59 @@
 from __future__ import annotations
 
 import contextlib
+import math
+import numbers
 from collections.abc import Collection, Mapping, Sequence
 from typing import NamedTuple, Protocol
 
-from indoor_explorers.env import Briefing, Pilot, Policy, View
+import numpy as np
+
+from indoor_explorers.env import Briefing, InputError, Pilot, Policy, View
+from indoor_explorers.env.errors import one_line
 from indoor_explorers.env.grid.cells import Action
 from indoor_explorers.env.policies.policy import checked_action
 from indoor_explorers.env.policies.view import Message, message_numbers
 from indoor_explorers.env.simulation.rollout import Uav
 from indoor_explorers.evaluation.harness.episodes.failures import BREAKING, describe_error
-from indoor_explorers.evaluation.harness.episodes.shared_clock import Clock
-from indoor_explorers.evaluation.harness.episodes.tallies import mean_tallies
+from indoor_explorers.evaluation.harness.episodes.shared_memory import Clock
 from indoor_explorers.evaluation.harness.episodes.thinking_time import thinking_time
+
+#: Limits of a tally: names, and characters of a name.
+MOST_NAMES, LONGEST_NAME = 64, 64
+#: What the names of these statistics begin with in records.
+PREFIX = "pilot_"
+
+
+def mean_tallies(tallies: Sequence[object]) -> dict[str, float | None]:
+    """Return the means of the UAVs' tallies by name, with the prefix of records.
+
+    Raises:
+        InputError: one is not a dict of finite numbers by short names, or there are too many names.
+
+    """
+    checked = [_checked(tally) for tally in tallies]
+    names = sorted({name for tally in checked for name in tally})
+    if len(names) > MOST_NAMES:
+        raise InputError(f"expected at most {MOST_NAMES} names in the tallies of a team, got {len(names)}")
+    return {PREFIX + name: float(np.mean([tally[name] for tally in checked if name in tally])) for name in names}
+
+
+def _checked(tally: object) -> dict[str, float]:
+    if not isinstance(tally, Mapping):
+        raise InputError(f"expected tally() to return a dict, got {type(tally).__name__}")
+    if len(tally) > MOST_NAMES:
+        raise InputError(f"expected at most {MOST_NAMES} names in a tally, got {len(tally)}")
+    return dict(_entry(name, value) for name, value in tally.items())
+
+
+def _entry(name: object, value: object) -> tuple[str, float]:
+    if not isinstance(name, str) or not name.isprintable() or not 0 < len(name) <= LONGEST_NAME:
+        shown = one_line(repr(name), LONGEST_NAME)
+        raise InputError(f"expected names of a tally to be texts of 1 to {LONGEST_NAME} characters, got {shown}")
+    if not isinstance(value, numbers.Real) or not math.isfinite(number := float(value)):
+        raise InputError(f"expected tally {name!r} to be a finite number, got {one_line(repr(value), LONGEST_NAME)}")
+    return str(name), number
+
 
 #: The statistics of an episode by name.
 Tallies = dict[str, float | None]
@@ -37,7 +78,7 @@ class Decision(NamedTuple):
 
 
 class Pilots(Protocol):
-    """The pilots of a batch, wherever their policy is; what the policy raises becomes the reason of a failure."""
+    """The pilots of a batch, in any process; an exception of the policy becomes the reason of a failure."""
 
     @property
     def privileged(self) -> bool:
@@ -50,7 +91,7 @@ class Pilots(Protocol):
         """Return the decisions of some UAVs; those of an episode are left out after the first one that failed.
 
         Raises:
-            BatchFailed: it is not known whose fault a failure is.
+            BatchFailed: the policy failed, and it is not known in which episode.
 
         """
 
@@ -76,10 +117,10 @@ class LocalPilots:
         self.forget()
         failures = {}
         self._actions = any_briefing(briefings).scenario.actions
-        for episode, told in briefings.items():
+        for episode, team in briefings.items():
             try:
                 with self._clock:
-                    self._pilots[episode] = [self._policy.pilot(briefing) for briefing in told]
+                    self._pilots[episode] = [self._policy.pilot(briefing) for briefing in team]
             except BREAKING as error:
                 failures[episode] = describe_error(error)
         return failures
@@ -98,16 +139,16 @@ class LocalPilots:
 
     def tally(self, episodes: Collection[int]) -> dict[int, Tallies | str]:
         """Ask for statistics, and delete all pilots while the clock runs."""
-        told: dict[int, Tallies | str] = {}
+        found: dict[int, Tallies | str] = {}
         for episode in episodes:
             try:
                 with self._clock:
-                    told[episode] = mean_tallies([pilot.tally() for pilot in self._pilots[episode]])
+                    found[episode] = mean_tallies([pilot.tally() for pilot in self._pilots[episode]])
                     del self._pilots[episode]
             except BREAKING as error:
-                told[episode] = describe_error(error)
+                found[episode] = describe_error(error)
         self.forget()
-        return told
+        return found
 
     def forget(self) -> None:
         """Delete the pilots; what they do then counts as a decision's time."""
@@ -133,12 +174,12 @@ class LocalPilots:
 
 
 def any_briefing(briefings: Mapping[int, Sequence[Briefing]]) -> Briefing:
-    """Return one briefing of a batch: all are about one task, on maps of one shape."""
-    return next(briefing for told in briefings.values() for briefing in told)
+    """Return one briefing of a batch, whose episodes share the scenario and the shape of the map."""
+    return next(briefing for team in briefings.values() for briefing in team)
 
 
 def _decision(answer: object, pilot: Pilot, seconds: float, actions: int) -> Decision:
-    """Return what a pilot has decided, as plain numbers that nobody can change any more."""
+    """Return the decision of a pilot as plain, immutable numbers."""
     try:
         return Decision(seconds, checked_action(answer, actions), message_numbers(pilot.message), done=bool(pilot.done))
     except (Exception, SystemExit) as error:

@@ -12,14 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.maps.floorplan import Floorplan
-from indoor_explorers.evaluation.harness.episodes.steps import Steps
+from indoor_explorers.evaluation.harness.episodes.steps import Steps, covered_columns
 from indoor_explorers.evaluation.harness.experiment.experiment import Task
 
 #: Quantities that coverage can be drawn against, with their units.
 AXES = {"steps": "steps", "distance": "cells", "seconds": "s", "bytes": "bytes"}
 
 
-#: Signals that may come from outside, such as from the system when it is short of memory.
+#: Signals that may come from another program, such as the system when memory is short.
 FROM_OUTSIDE = (signal.SIGKILL, signal.SIGTERM, signal.SIGHUP, signal.SIGINT)
 #: How the reasons of failures begin whose process was killed or stopped, or used too much memory.
 KILLED, STOPPED, TOO_MUCH_MEMORY = (
@@ -79,30 +79,30 @@ class FlownEpisode(Steps):
     @property
     def seen(self) -> NDArray[np.int32]:
         """(S + 1,) counted cells that any UAV, or the home base, knows after each step."""
-        return self.covered[:, 0 if self.covered.shape[1] == 1 + self.team else 2 + self.team]
+        _, base, seen = covered_columns(self.team)
+        return self.covered[:, seen if self.covered.shape[1] > base else 0]
 
     def coverage(self, who: str = "team", steps: NDArray[np.integer] | None = None) -> NDArray[np.float64]:
         """Return (T,) coverage after each of T ``steps``, of all S + 1 by default.
 
-        ``who`` is ``team`` (the union of what the UAVs know, or where only reports count what the home base knows),
-        ``mean`` or ``worst`` (over the UAVs' own maps), or, with a base, ``base`` (what it knows) or ``seen`` (what
-        anybody knows).
+        ``who`` is ``team`` (the union of the UAVs' maps, or the home base's map where only that counts), ``mean`` or
+        ``worst`` (over the UAVs' own maps), or, with a base, ``base`` (its map) or ``seen`` (the union of all maps).
         """
         return self.coverage_of([who], steps).reshape(-1)
 
     def coverage_of(self, who: Sequence[str], steps: NDArray[np.integer] | None = None) -> NDArray[np.float64]:
         """Return (W, T) :meth:`coverage` of each of W names."""
         columns = (self.covered if steps is None else self.covered[steps]).T
-        own = columns[1 : 1 + self.team]
+        own, base, seen = covered_columns(self.team)
         found = np.empty((len(who), columns.shape[1]))
         for row, each in enumerate(who):
             if each == "mean":
-                found[row] = own.sum(axis=0)
+                found[row] = columns[own].sum(axis=0)
                 found[row] /= self.team
             elif each == "worst":
-                found[row] = own.min(axis=0)
+                found[row] = columns[own].min(axis=0)
             else:
-                found[row] = columns[{"team": 0, "base": 1 + self.team, "seen": 2 + self.team}[each]]
+                found[row] = columns[{"team": 0, "base": base, "seen": seen}[each]]
         found /= self.reachable
         return found
 
@@ -137,3 +137,13 @@ class Record(FlownEpisode):
     def without_map(self) -> FlownEpisode:
         """Return the episode without its map, for a receiver that knows the map."""
         return FlownEpisode(**{each.name: getattr(self, each.name) for each in fields(FlownEpisode)})
+
+
+def mean_curve(records: Sequence[Record]) -> NDArray[np.float64]:
+    """Return (T,) mean team coverage by step, each curve constant after its end; stored steps are read only once."""
+    total = np.zeros(1 + max(record.steps for record in records))
+    for record in records:
+        curve, _ = record.curve, record.facts
+        total[: len(curve)] += curve
+        total[len(curve) :] += curve[-1]
+    return total / len(records)

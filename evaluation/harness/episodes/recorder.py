@@ -1,4 +1,4 @@
-"""The log of a batch of running episodes: the stored facts of every step, written for the whole batch at once."""
+"""The log of a batch of running episodes: every step is written for the whole batch at once."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env import World
-from indoor_explorers.evaluation.harness.episodes.steps import Steps, step_type
+from indoor_explorers.evaluation.harness.episodes.steps import Steps, covered_columns, step_type
 
 #: Initial capacity in steps; it doubles whenever it is full.
 CAPACITY = 256
@@ -18,7 +18,7 @@ class Log:
     def __init__(self, world: World) -> None:
         batch, team = world.state.end.shape
         self._world = world
-        self._team = team
+        self._team, self._columns = team, covered_columns(team)
         self._step = 0
         self._rows = np.zeros((batch, CAPACITY), step_type(team, world.scenario.base.exists))
         self.flown_steps = np.zeros((batch, team), np.int64)
@@ -45,12 +45,12 @@ class Log:
 
     def _log_state(self) -> None:
         state, rows, t = self._world.state, self.latest, self._step
-        scenario = self._world.scenario
+        scenario, (own, base, seen) = self._world.scenario, self._columns
         rows["covered"][:, 0] = state.base_covered if scenario.base.must_return else state.team_covered
-        rows["covered"][:, 1 : 1 + self._team] = state.covered
+        rows["covered"][:, own] = state.covered
         if scenario.base.exists:
-            rows["covered"][:, 1 + self._team] = state.base_covered
-            rows["covered"][:, 2 + self._team] = state.team_covered
+            rows["covered"][:, base] = state.base_covered
+            rows["covered"][:, seen] = state.team_covered
         rows["cells"] = state.cell
         if self._team > 1:
             rows["sent"] = state.sent_bytes.sum(axis=1)

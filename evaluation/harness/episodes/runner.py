@@ -15,8 +15,7 @@ from indoor_explorers.evaluation.harness.episodes.pilots import BatchFailed, Loc
 from indoor_explorers.evaluation.harness.episodes.record import Record
 from indoor_explorers.evaluation.harness.episodes.recorder import Log
 from indoor_explorers.evaluation.harness.episodes.running import RunningEpisode, simulated_record
-from indoor_explorers.evaluation.harness.episodes.shared_clock import Clock
-from indoor_explorers.evaluation.harness.episodes.shared_steps import SharedStepBuffer
+from indoor_explorers.evaluation.harness.episodes.shared_memory import Clock, SharedStepBuffer
 from indoor_explorers.evaluation.harness.experiment.experiment import Task
 
 #: Belief cells (episodes x agents x map) of one batch: bounds its memory to a few hundred megabytes.
@@ -76,14 +75,11 @@ def _fly_batch(
     flights = [RunningEpisode(place, *task) for place, task in enumerate(tasks)]
     for flight in flights:
         flight.begin(world)
-    batch = _Batch(pilots, world, flights, buffer)
-    batch.fly()
+    log = _Batch(pilots, world, flights, buffer).fly()
     return [
-        simulated_record(flight, name, scenario, steps)
-        if flight.failure
-        else flight.record(name, world, batch.log, steps)
+        simulated_record(flight, name, scenario, steps) if flight.failure else flight.record(name, world, log, steps)
         for flight in flights
-        for steps in [batch.log.steps(flight.place)]
+        for steps in [log.steps(flight.place)]
     ]
 
 
@@ -91,32 +87,26 @@ class _Batch:
     """A batch of episodes that have begun."""
 
     def __init__(
-        self,
-        pilots: Pilots,
-        world: World,
-        flights: Sequence[RunningEpisode],
-        buffer: SharedStepBuffer | None,
+        self, pilots: Pilots, world: World, flights: Sequence[RunningEpisode], buffer: SharedStepBuffer | None
     ) -> None:
-        self.log = Log(world)
-        self._pilots = pilots
-        self._world = world
-        self._flights = flights
+        self._log, self._pilots, self._world, self._flights = Log(world), pilots, world, flights
         self._buffer = buffer if world.batch == 1 else None
         self._seconds = np.zeros(world.batch)
 
-    def fly(self) -> None:
-        """Fly every episode to its end."""
+    def fly(self) -> Log:
+        """Fly every episode to its end; return the log of all steps."""
         if self._buffer is not None:
             self._buffer.begin()
-            self._buffer.add(self.log.latest[0])
+            self._buffer.add(self._log.latest[0])
         self._brief()
         for actions in rollout(self._world, self._ask):
-            if not self.log.running.any():  # the last one failed at this step
+            if not self._log.running.any():  # the last one failed at this step
                 break
-            self.log.add(actions, self._seconds)
+            self._log.add(actions, self._seconds)
             if self._buffer is not None:
-                self._buffer.add(self.log.latest[0])
+                self._buffer.add(self._log.latest[0])
         self._tally()
+        return self._log
 
     def _brief(self) -> None:
         world, privileged = self._world, self._pilots.privileged
@@ -129,20 +119,20 @@ class _Batch:
 
     def _tally(self) -> None:
         whole = [flight.place for flight in self._flights if not flight.failure]
-        for place, told in self._pilots.tally(whole).items():
-            if isinstance(told, str):
-                self._fail(place, told)
+        for place, tallies in self._pilots.tally(whole).items():
+            if isinstance(tallies, str):
+                self._fail(place, tallies)
             else:
-                self._flights[place].tallies = told
+                self._flights[place].tallies = tallies
 
     def _fail(self, place: int, failure: str) -> None:
         self._flights[place].failure = failure
-        self.log.running[place] = False
+        self._log.running[place] = False
 
     def _ask(self, flying: list[Uav]) -> Iterator[tuple[Uav, int]]:
         """Ask the UAVs of the episodes that have not failed; those that fail now stay where they are."""
         self._seconds[:] = 0.0
-        views = {uav: self._world.view(*uav) for uav in flying if self.log.running[uav[0]]}
+        views = {uav: self._world.view(*uav) for uav in flying if self._log.running[uav[0]]}
         going_on: set[int] = set()
         for uav, decision in self._pilots.decide(views).items():
             episode, agent = uav

@@ -1,17 +1,17 @@
-"""A running episode of a batch, and the record made of it."""
+"""A running episode of a batch, and its record."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
-from indoor_explorers.env import Scenario, World
+from indoor_explorers.env import UNKNOWN, Scenario, World
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.search.straight_paths import straightened_length
 from indoor_explorers.env.simulation.state import End
 from indoor_explorers.evaluation.harness.episodes.lower_bounds import least_steps
-from indoor_explorers.evaluation.harness.episodes.map_errors import map_metrics
 from indoor_explorers.evaluation.harness.episodes.metrics import LEVELS, stop_metrics, team_metrics
 from indoor_explorers.evaluation.harness.episodes.record import Outcome, Record
 from indoor_explorers.evaluation.harness.episodes.recorder import Log
@@ -127,3 +127,19 @@ def simulated_record(flight: RunningEpisode, policy: str, scenario: Scenario, fl
     steps = log.steps(0)
     steps.seconds[1:], steps.sent[1:] = flown.seconds[1 : steps.steps + 1], flown.sent[1 : steps.steps + 1]
     return again.record(policy, world, log, steps)
+
+
+def map_metrics(world: World, episode: int, flown: NDArray[np.integer]) -> dict[str, float | None]:
+    """Return ``map_error``, ``claimed`` and ``pose_error`` of an episode that has ended.
+
+    ``flown`` (N,) is the number of steps that each UAV flew.
+    """
+    assert world.slam is not None
+    state = world.state
+    shown, truth, counts = state.union[episode], state.truth[episode], state.counts[episode]
+    known, steps = shown != UNKNOWN, int(flown.sum())
+    return {
+        "map_error": float((shown != truth)[known].mean()) if known.any() else None,
+        "claimed": float((known & counts).sum() / state.total[episode]),
+        "pose_error": float(world.slam.pose_error[episode].sum() / steps) if steps else None,
+    }

@@ -1,4 +1,4 @@
-"""The stored facts of an episode, step by step."""
+"""The stored steps of an episode."""
 
 from __future__ import annotations
 
@@ -12,15 +12,20 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.compiled import leaf
 
-#: Columns of covered cells that only episodes with a home base have: what it knows, and what anybody knows.
-OF_BASE = 2
+
+def covered_columns(team: int) -> tuple[slice, int, int]:
+    """Return the columns of :attr:`Steps.covered` for the UAVs' own maps, the home base, and all of these together.
+
+    Column 0 is the coverage that counts; the last two exist only in episodes with a home base.
+    """
+    return slice(1, 1 + team), 1 + team, 2 + team
 
 
 def step_type(team: int, base: bool = False) -> np.dtype[Any]:
     """Return the type of a log row: the facts after a step of N UAVs, with a home base or not; row 0 is the start."""
     return np.dtype(
         [
-            ("covered", np.int32, (1 + team + (OF_BASE if base else 0),)),
+            ("covered", np.int32, (1 + team + (2 if base else 0),)),
             ("cells", np.int16, (team, 2)),
             ("actions", np.uint8, (team,)),
             ("seconds", np.float32),
@@ -30,7 +35,7 @@ def step_type(team: int, base: bool = False) -> np.dtype[Any]:
 
 
 class StepFacts(NamedTuple):
-    """What reports need of the steps of every episode."""
+    """The facts about the steps of an episode that reports use for every episode."""
 
     flight: bytes
     """Digest of actions and covered cells."""
@@ -55,7 +60,7 @@ class Steps:
     covered: NDArray[np.int32] = field(repr=False)
     """(S + 1, 1 + N) cells covered after each step: by the team together, then by each UAV's own map.
 
-    With a home base (S + 1, 1 + N + 2): what counts, the UAVs' own maps, what the base knows, what anybody knows."""
+    With a home base (S + 1, 1 + N + 2), see :func:`covered_columns`."""
     cells: NDArray[np.int16] = field(repr=False)
     """(S + 1, N, 2) row and column of each UAV after each step."""
     actions: NDArray[np.uint8] = field(repr=False)
@@ -91,7 +96,7 @@ class Steps:
 
     @cached_property
     def facts(self) -> StepFacts:
-        """What reports need of every episode, in few bytes."""
+        """The facts that reports use for every episode, in few bytes."""
         first = float(self.seconds[np.argmax(self.seconds > 0)]) if self.seconds[-1] > 0 else np.inf
         ends = float(self.distance[-1]), float(self.seconds[-1]), float(self.sent[-1])
         flight, track = _digest(self.actions, self.covered), _digest(self.cells)

@@ -1,8 +1,8 @@
-"""What results name from outside this package: it is imported only where the user names it too.
+"""Names in results of code from outside this package, which is imported only if the user names it too.
 
-Results are data that anybody may have written. Their scenarios may name models of plug-ins, and their policies modules
-and files of any machine. What reads them imports what is of this package, and of the rest what is in ``plugins``: the
-names that the user gave, each spelt as it is stored.
+Results are untrusted data. Their scenarios may name models of plug-ins, and their policies modules and files of any
+machine. Code from outside this package is imported only if it is in ``plugins``: the names that the user gave, each
+spelt as it is stored.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ def refusal(settings: Mapping[str, Any], plugins: Collection[str], naming: Mappi
 
 
 def policy_refusal(choice: Mapping[str, Any], plugins: Collection[str]) -> str:
-    """Say the same of a stored policy, given as its entry of the experiment.
+    """Say what a stored policy, an entry of the experiment, names from outside; see :func:`refusal`.
 
     A policy that this package declares is its own, unless it is given a text that could lead to a module, to a file
     or to a policy of others.
@@ -44,7 +44,7 @@ def policy_refusal(choice: Mapping[str, Any], plugins: Collection[str]) -> str:
 
 
 def with_own_models(settings: Mapping[str, Any]) -> dict[str, Any]:
-    """Return stored settings with models of this package in place of those from outside, to look at the rest."""
+    """Return stored settings with models of this package in place of those from outside, to validate the rest."""
     replaced = dict(settings)
     for place in outside_names(settings, MODELS):
         part, _, key = place.partition(".")
@@ -53,10 +53,10 @@ def with_own_models(settings: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _line(unnamed: Sequence[tuple[str, str]]) -> str:
-    """Return what is to be known of names, each with what it is the name of; empty for none."""
-    told = " and ".join(f"{what} {name!r}" for what, name in unnamed)
+    """Return the line about (kind, name) pairs that the user did not name; empty for none."""
+    listed = " and ".join(f"{what} {name!r}" for what, name in unnamed)
     names = ",".join(dict.fromkeys(name for _, name in unnamed))
-    return told and f"{told} from outside this package, imported only if you name it: --plugins {quote(names)}"
+    return listed and f"{listed} from outside this package, imported only if you name it: --plugins {quote(names)}"
 
 
 def _at(settings: Mapping[str, Any], place: str) -> Any:

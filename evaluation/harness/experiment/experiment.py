@@ -191,8 +191,8 @@ def with_sweeps(scenario: Scenario, settings: Mapping[str, Any]) -> list[Scenari
     variants = []
     for values in product(*swept.values()):
         chosen = dict(zip(swept, values, strict=True))
-        told = "".join(f" {key}={value}" for key, value in chosen.items())
-        named = {"name": f"{settings.get('name', scenario.name)}{told}"} if chosen else {}
+        suffix = "".join(f" {key}={value}" for key, value in chosen.items())
+        named = {"name": f"{settings.get('name', scenario.name)}{suffix}"} if chosen else {}
         variants.append(scenario.with_settings({**settings, **chosen, **named}))
     return variants
 

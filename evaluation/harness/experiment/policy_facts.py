@@ -43,7 +43,7 @@ Seeds = Annotated[list[Annotated[int, Field(ge=0)]], Field(min_length=2, max_len
 
 
 class _Facts(BaseModel):
-    """What facts have to be, wherever they come from; all others are texts that a policy says of itself."""
+    """The types of the facts; facts with other names are texts that a policy declares about itself."""
 
     model_config = ConfigDict(strict=True, extra="allow")
     __pydantic_extra__: dict[Text, Text]
@@ -63,28 +63,28 @@ class _Facts(BaseModel):
     map_shape: Annotated[list[Annotated[int, Field(gt=0)]], Field(min_length=2, max_length=2)] | None = None
 
 
-def checked_facts(told: object, use: str) -> dict[str, Any]:
-    """Return the facts of a policy as they were told, if they are what they have to be.
+def checked_facts(received: object, use: str) -> dict[str, Any]:
+    """Return facts that a policy's process sent, if they are valid.
 
     Raises:
-        InputError: they are not, or are those of another one than ``use``.
+        InputError: they are not, or are those of another policy than ``use``.
 
     """
     try:
-        facts = validated(_Facts, cast(dict[str, Any], told), "the facts of a policy")
+        facts = validated(_Facts, cast(dict[str, Any], received), "the facts of a policy")
     except InputError as error:
         raise InputError(one_line(str(error))) from error
-    assert isinstance(told, dict)
-    if facts.use != use or len(json.dumps(told)) > LONGEST_FACTS:
+    assert isinstance(received, dict)
+    if facts.use != use or len(json.dumps(received)) > LONGEST_FACTS:
         raise InputError(f"expected facts of {use!r} of at most {LONGEST_FACTS} characters, got others or more")
-    return told
+    return received
 
 
 def policy_facts(policy: Policy, use: str) -> dict[str, Any]:
     """Return the facts that results store about a policy: class, parameters, weights, sources, flags, and a hash.
 
     Raises:
-        InputError: its flags or its provenance are not what they have to be.
+        InputError: its flags or its provenance are invalid.
 
     """
     parameters: dict[str, Any] = dataclasses.asdict(policy) if dataclasses.is_dataclass(policy) else {}
@@ -101,7 +101,7 @@ def policy_facts(policy: Policy, use: str) -> dict[str, Any]:
     facts |= {"hash": digest, "uses_generator": _flag(policy, "uses_generator"), "batched": _flag(policy, "batched")}
     more: dict[str, Any] = {"plans_for": _plans_for(policy), "seen_seeds": _seen_seeds(policy)}
     more |= {"seen_maps": _seen_maps(policy), "map_shape": _map_shape(policy), "renamed": _renamed(policy)}
-    return checked_facts(facts | {name: told for name, told in more.items() if told}, use)
+    return checked_facts(facts | {name: value for name, value in more.items() if value}, use)
 
 
 def _map_shape(policy: Policy) -> list[int] | None:
@@ -127,27 +127,25 @@ def _plans_for(policy: Policy) -> str:
 
 def _seen_seeds(policy: Policy) -> dict[str, list[list[int]]]:
     """Return the first and the last of each range of seeds that a policy declares, by use."""
-    given, what = (
-        policy.seen_seeds(),
-        f"{type(policy).__name__}: expected seen_seeds() to return lists of ranges by use",
-    )
+    given = _by_use(policy, "seen_seeds", policy.seen_seeds(), range, "ranges")
+    return {use: spans for use, ranges in given.items() if (spans := [[r[0], r[-1]] for r in ranges if r])}
+
+
+def _by_use(policy: Policy, method: str, given: object, kind: type, kinds: str) -> dict[str, list[Any]]:
+    """Return the lists by use that a method of a policy returned, if they are such lists."""
+    what = f"{type(policy).__name__}: expected {method}() to return lists of {kinds} by use"
     if not isinstance(given, Mapping):
         raise InputError(f"{what}, got {type(given).__name__}")
-    for use, ranges in given.items():
-        if use not in list(SeedUse) or not all(isinstance(seeds, range) for seeds in ranges):
-            raise InputError(f"{what} ({', '.join(SeedUse)}), got other uses or no ranges")
-    return {str(use): told for use, ranges in given.items() if (told := [[r[0], r[-1]] for r in ranges if r])}
+    for use, entries in given.items():
+        if use not in list(SeedUse) or isinstance(entries, str) or not all(isinstance(each, kind) for each in entries):
+            raise InputError(f"{what} ({', '.join(SeedUse)}), got other uses or no lists of {kinds}")
+    return {str(use): list(entries) for use, entries in given.items()}
 
 
 def _seen_maps(policy: Policy) -> dict[str, list[str]]:
     """Return the digests of the maps that a policy declares, by use; parts of suites are spelt out."""
-    given, what = policy.seen_maps(), f"{type(policy).__name__}: expected seen_maps() to return lists of texts by use"
-    if not isinstance(given, Mapping):
-        raise InputError(f"{what}, got {type(given).__name__}")
-    for use, names in given.items():
-        if use not in list(SeedUse) or isinstance(names, str) or not all(isinstance(name, str) for name in names):
-            raise InputError(f"{what} ({', '.join(SeedUse)}), got other uses or no lists of texts")
-    spelt = {str(use): [digest for name in names for digest in digests_of(name)] for use, names in given.items()}
+    given = _by_use(policy, "seen_maps", policy.seen_maps(), str, "texts")
+    spelt = {use: [digest for name in names for digest in digests_of(name)] for use, names in given.items()}
     return {use: list(dict.fromkeys(digests)) for use, digests in spelt.items() if digests}
 
 
@@ -159,8 +157,8 @@ def _defaults(policy: Policy) -> dict[str, str]:
             found[each.name] = each.default
         elif each.default_factory is not dataclasses.MISSING:
             found[each.name] = each.default_factory()
-    plain = {name: dataclasses.asdict(value) if _is_record(value) else value for name, value in found.items()}
-    return {name: repr(value) for name, value in plain.items()}
+    records = {name for name, value in found.items() if dataclasses.is_dataclass(value) and not isinstance(value, type)}
+    return {name: repr(dataclasses.asdict(value) if name in records else value) for name, value in found.items()}
 
 
 def _fields(policy: Policy) -> tuple[dataclasses.Field[Any], ...]:
@@ -176,10 +174,6 @@ def _renamed(policy: Policy) -> dict[str, list[str]]:
     return found
 
 
-def _is_record(value: object) -> bool:
-    return dataclasses.is_dataclass(value) and not isinstance(value, type)
-
-
 def _flag(policy: Policy, name: str) -> bool:
     value = getattr(policy, name)
     if not isinstance(value, bool):
@@ -188,7 +182,7 @@ def _flag(policy: Policy, name: str) -> bool:
 
 
 def _provenance(policy: Policy, taken: tuple[str, ...]) -> dict[str, str]:
-    """Return what a policy says of itself: texts by names that are not ``taken``, all valid UTF-8."""
+    """Return what a policy declares about itself: texts by names that are not ``taken``, all valid UTF-8."""
     given, what = policy.provenance(), f"{type(policy).__name__}: expected provenance() to return"
     if not isinstance(given, dict):
         raise InputError(f"{what} a dict, got {type(given).__name__}")

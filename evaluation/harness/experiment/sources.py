@@ -1,4 +1,4 @@
-"""What the flights of a policy depend on outside this package: hashes of its sources and of the files it is given."""
+"""Hashes of the sources and files outside this package that the flights of a policy depend on."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from typing import Any
 from indoor_explorers.env import Policy
 from indoor_explorers.env.files import expanded
 
-#: The package itself, whose commit is a fact of the run, and what its classes inherit from.
+#: The package itself, whose commit is a fact of the run, and the modules of the base classes of policies.
 _OURS = (__name__.partition(".")[0], "builtins", "abc", "typing")
-#: Files of one package or folder that are looked at, at most.
+#: The most files of one package or folder that are hashed.
 MOST_FILES = 2000
 _LIBRARIES = {"site-packages", "dist-packages"}
 
@@ -83,12 +83,9 @@ def _sources(module: ModuleType) -> Iterator[tuple[str, Path]]:
     yield own.name, own
     for name, other in sorted(sys.modules.items()):
         file = Path(getattr(other, "__file__", None) or ".")
-        if file.is_relative_to(own.parent) and name != "__main__" and not _is_ours(name) and not _is_library(name):
+        ours = name.partition(".")[0] in (*_OURS, "__main__")
+        if file.is_relative_to(own.parent) and not ours and not _is_library(name):
             yield file.relative_to(own.parent).as_posix(), file
-
-
-def _is_ours(module: str) -> bool:
-    return module.partition(".")[0] in _OURS
 
 
 def _parameters(policy: Policy) -> dict[str, Any]:

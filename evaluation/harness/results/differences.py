@@ -9,10 +9,9 @@ from typing import Any
 
 import pandas as pd
 
-from indoor_explorers.env.files import written_whole
 from indoor_explorers.evaluation.harness.episodes.metrics import LEVELS
 from indoor_explorers.evaluation.harness.results.coverage_threshold import drawn
-from indoor_explorers.evaluation.harness.results.results import Results
+from indoor_explorers.evaluation.harness.results.results import Results, write_csv
 from indoor_explorers.evaluation.statistics import Contrast, Finding, contrasts
 
 COLUMNS = (
@@ -82,6 +81,4 @@ def _rows(results: Results, scenario: str, minus: str, metric: str) -> Iterator[
 
 def write_differences(rows: Sequence[DifferenceRow], path: Path) -> None:
     """Write differences.csv; equal results give equal bytes."""
-    table = pd.DataFrame([row.cells() for row in rows], columns=list(COLUMNS))
-    with written_whole(path) as partial:
-        table.to_csv(partial, index=False, float_format="%.6g", lineterminator="\n")
+    write_csv(pd.DataFrame([row.cells() for row in rows], columns=list(COLUMNS)), path, "%.6g")

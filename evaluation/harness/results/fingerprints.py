@@ -1,4 +1,4 @@
-"""Recomputes the fingerprints of stored scenarios, by which results are known to be about the same task."""
+"""Recomputes the fingerprints of stored scenarios, which identify tasks."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any
 from indoor_explorers.env.scenarios.scenario import hashed, task_facts
 from indoor_explorers.evaluation.harness.episodes.record import Record
 from indoor_explorers.evaluation.harness.episodes.stored_names import outside_names
-from indoor_explorers.evaluation.harness.results.damage import damaged
+from indoor_explorers.evaluation.harness.results.database import damaged
 
 #: Sources whose identity is that of their cells.
 OF_CELLS = ("files", "office")
@@ -21,7 +21,7 @@ def refuse_other_fingerprints(
 ) -> None:
     """Refuse a store with a scenario that has the fingerprint of another task.
 
-    Scenarios with code of plug-ins, or with map files that no episode was flown on, cannot be told.
+    Scenarios with code of plug-ins, or with map files that no episode was flown on, are not checked.
     """
     flown: dict[str, dict[int, set[str]]] = {name: defaultdict(set) for name in scenarios}
     for record in records:
@@ -41,7 +41,7 @@ def comparable(settings: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _fingerprint(settings: Mapping[str, Any], flown: Mapping[int, set[str]]) -> str | None:
-    """Return the fingerprint of stored settings and of the maps ``flown`` by index; None where it cannot be told."""
+    """Return the fingerprint of stored settings and of the maps ``flown`` by index; None if unknown."""
     maps = settings["map"]
     if outside_names(settings):
         return None

@@ -35,10 +35,10 @@ def identity(about: Mapping[str, Any], older: Mapping[str, Any]) -> dict[str, An
     return kept | ({"parameters": parameters} if "parameters" in kept else {})
 
 
-def present_parameters(told: Mapping[str, str], renamed: Mapping[str, Sequence[str]]) -> dict[str, str]:
+def present_parameters(stored: Mapping[str, str], renamed: Mapping[str, Sequence[str]]) -> dict[str, str]:
     """Return the stored texts of parameters by their present names, those inside objects of parameters dotted."""
     found: dict[str, str] = {}
-    for name, value in flat({name: _spelt_out(text) for name, text in told.items()}):
+    for name, value in flat({name: _spelt_out(text) for name, text in stored.items()}):
         for present in renamed.get(name, (name,)):
             found[present] = value
     return found

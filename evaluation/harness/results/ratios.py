@@ -12,11 +12,10 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from indoor_explorers.env.files import written_whole
 from indoor_explorers.evaluation.harness.experiment.experiment import Task
 from indoor_explorers.evaluation.harness.experiment.selection import chosen_baselines
 from indoor_explorers.evaluation.harness.results.coverage_threshold import drawn
-from indoor_explorers.evaluation.harness.results.results import Results
+from indoor_explorers.evaluation.harness.results.results import Results, write_csv
 from indoor_explorers.evaluation.statistics import Block, Estimate, PairedRatio, paired_ratios
 
 #: Name of all scenarios together in tables.
@@ -59,7 +58,7 @@ class Censoring(NamedTuple):
 
     @property
     def bound(self) -> str | None:
-        """What a ratio of the steps says: ``>`` a lower bound, ``<`` an upper one, empty a figure, None nothing."""
+        """Kind of a ratio of steps: ``>`` a lower bound, ``<`` an upper one, empty an exact one, None undefined."""
         if not (self.below or self.both):
             return ">" if self.above else ""
         if not (self.above or self.both):
@@ -81,7 +80,7 @@ class RatioRow:
     """Number of scenarios."""
     tasks: int
     ratio: PairedRatio
-    """Not a number where the budget decides it: thresholds that neither or now one and now the other never reached."""
+    """NaN where the budget decides it: neither policy, or now one and now the other, never reached the threshold."""
     censoring: Censoring
 
     def cells(self) -> dict[str, Any]:
@@ -160,8 +159,8 @@ class Ratios:
         tasks = sum(len(block.maps) for block in blocks)
         never = {name: Censoring.sum(self._censoring(each, name, to, metric) for each in scenarios) for name in names}
         return [
-            RatioRow(title, name, to, metric, len(scenarios), tasks, _told(ratio, never[name]), never[name])
-            for name, ratio in zip(names, paired_ratios(blocks), strict=True)
+            RatioRow(title, name, to, metric, len(scenarios), tasks, NO_RATIO if found.bound is None else ratio, found)
+            for (name, found), ratio in zip(never.items(), paired_ratios(blocks), strict=True)
         ]
 
     def _censoring(self, scenario: str, policy: str, to: str, metric: str) -> Censoring:
@@ -185,13 +184,6 @@ class Ratios:
         return [place[task] for task in self._tasks[scenario]]
 
 
-def _told(ratio: PairedRatio, censoring: Censoring) -> PairedRatio:
-    """Return the ratio, or that there is none."""
-    return NO_RATIO if censoring.bound is None else ratio
-
-
 def write_ratios(ratios: Ratios, path: Path) -> None:
     """Write ratios.csv; equal results give equal bytes."""
-    table = pd.DataFrame([row.cells() for row in ratios.rows], columns=list(COLUMNS))
-    with written_whole(path) as partial:
-        table.to_csv(partial, index=False, float_format="%.6g", lineterminator="\n")
+    write_csv(pd.DataFrame([row.cells() for row in ratios.rows], columns=list(COLUMNS)), path, "%.6g")

@@ -20,11 +20,13 @@ from indoor_explorers.evaluation.harness.episodes.record import Record
 from indoor_explorers.evaluation.harness.episodes.resimulate import recorded_scenario
 from indoor_explorers.evaluation.harness.episodes.stored_names import with_own_models
 from indoor_explorers.evaluation.harness.experiment.experiment import Task, merged_experiments
-from indoor_explorers.evaluation.harness.results.damage import (
+from indoor_explorers.evaluation.harness.results.database import (
     NO_CHECKSUM,
     REPLACE,
+    SQL_ERRORS,
     UNREADABLE,
     Damage,
+    connect_read_only,
     damaged,
     damaged_episodes,
 )
@@ -47,31 +49,11 @@ ORDER = (
 )
 #: Episodes in memory at a time while they are checked.
 CHUNK = 256
-#: Errors of reading a database; SQLite's messages may quote damaged text that is no UTF-8.
-SQL_ERRORS = (sqlite3.Error, UnicodeDecodeError)
-#: Seconds to wait for another process that writes.
-PATIENCE = 60.0
 
 
 def _decoded(text: bytes) -> str:
     """Decode a text that may be damaged; different bytes give different texts."""
     return text.decode("utf-8", "surrogateescape")
-
-
-def connect(address: str) -> sqlite3.Connection:
-    """Open a database by its URI."""
-    return sqlite3.connect(address, timeout=PATIENCE, isolation_level=None, uri=True, check_same_thread=False)
-
-
-def _connect_read_only(path: Path) -> sqlite3.Connection:
-    """Open a store for reading.
-
-    A store that no process has open has no file of changes beside it: it is read as it is. So no file is made, which
-    a read-only folder would not allow, and which another user could not write to later.
-    """
-    changes = (path.with_name(path.name + ending) for ending in ("-wal", "-journal"))
-    quiet = not any(file.exists() and file.stat().st_size for file in changes)
-    return connect(f"{path.resolve().as_uri()}?mode=ro{'&immutable=1' if quiet else ''}")
 
 
 class StoreReader:
@@ -80,7 +62,7 @@ class StoreReader:
     def __init__(self, path: Path) -> None:
         self.path = path
         with self._readable():
-            self._db = _connect_read_only(path)
+            self._db = connect_read_only(path)
             self._db.execute("BEGIN")  # all that is read is from one moment
             self._check()
 
@@ -156,7 +138,7 @@ class StoreReader:
     def _episodes(self) -> list[Record | Damage]:
         """Return all episodes in order; those that cannot be read as damage."""
         plans, known = self._maps(), self._checksums()
-        source = StoredSteps(self.path, _connect_read_only)
+        source = StoredSteps(self.path)
         read: dict[int, Record | Damage] = {}
         last = -(2**63)
         while rows := self._rows(f"{EPISODES} WHERE episode.rowid > {last} ORDER BY 1 LIMIT {CHUNK}"):
@@ -259,7 +241,7 @@ class StoreReader:
 
 
 def _complaint(row: Row, plans: Mapping[str, Floorplan], known: set[bytes]) -> str:
-    """Return what is wrong with one of :data:`EPISODES`, as far as can be told without unpacking it."""
+    """Return the damage of a row of :data:`EPISODES` that shows without unpacking it; empty for none."""
     if checksum("episode", row[1:-2]) not in known:
         return NO_CHECKSUM
     if None in row[-2:]:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cache, cached_property
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,7 @@ from indoor_explorers.env import InputError, Scenario
 from indoor_explorers.env.files import written_whole
 from indoor_explorers.env.scenarios.suites.catalogue import buildings
 from indoor_explorers.evaluation.harness.episodes.metrics import LEVELS, MEASURES, Measure, extended, is_time
-from indoor_explorers.evaluation.harness.episodes.record import Outcome, Record
+from indoor_explorers.evaluation.harness.episodes.record import Outcome, Record, mean_curve
 from indoor_explorers.evaluation.harness.episodes.resimulate import recorded_scenario
 from indoor_explorers.evaluation.harness.episodes.steps import StepFacts
 from indoor_explorers.evaluation.harness.experiment.experiment import MARGIN, Task, declared_margin
@@ -26,21 +27,13 @@ from indoor_explorers.evaluation.harness.results.fingerprints import refuse_othe
 from indoor_explorers.evaluation.harness.results.notes import ResultNotes
 from indoor_explorers.evaluation.harness.results.reading import StoreReader
 from indoor_explorers.evaluation.harness.results.scenario_titles import scenario_title
-from indoor_explorers.evaluation.statistics import (
-    Estimate,
-    bootstrap_mean,
-    bootstrap_means,
-    interquartile_mean,
-    success_share,
-)
+from indoor_explorers.evaluation.statistics import Estimate, interquartile_mean, success_share
+from indoor_explorers.evaluation.statistics.means import means_of_measured
 
 SUMMARY_COLUMNS = (
     *("policy", "scenario", "team", "metric", "episodes", "mean", "iqm", "low", "high"),
     *("success", "success_low", "success_high"),
 )
-
-#: Facts of a run about its machine.
-MACHINE = ("system", "processor", "cores")
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,26 +94,10 @@ class Results(ResultNotes):
     @cached_property
     def groups(self) -> dict[tuple[str, str], list[Record]]:
         """The records by (scenario, policy), each list ordered by task."""
-        groups: dict[tuple[str, str], list[Record]] = {
-            (scenario, policy): [] for scenario in self.scenarios for policy in self.policies
-        }
+        found: defaultdict[tuple[str, str], list[Record]] = defaultdict(list)
         for record in self.records:
-            groups[record.task.scenario, record.policy].append(record)
-        return {key: records for key, records in groups.items() if records}
-
-    @property
-    def warnings(self) -> list[str]:
-        """The notes, and a line for each fact that differs between the runs and can change results.
-
-        Such facts are commits, versions and machines.
-        """
-        lines = [*self.notes, *self.retry_notes]
-        for key in dict.fromkeys(key for run in self.runs for key in run if _can_change_results(key)):
-            values = dict.fromkeys(str(run.get(key, "not recorded")) for run in self.runs)
-            if len(values) > 1:
-                effect = "; latencies do not compare" if key in MACHINE else ""
-                lines.append(f"runs differ in {key}: {', '.join(values)}{effect}")
-        return lines
+            found[record.task.scenario, record.policy].append(record)
+        return {key: found[key] for key in product(self.scenarios, self.policies) if key in found}
 
     def level(self, scenario: str) -> CoverageThreshold:
         """Return the coverage threshold of a scenario."""
@@ -140,13 +117,15 @@ class Results(ResultNotes):
 
     def tasks(self, scenario: str) -> set[Task]:
         """Return the tasks of a scenario that any policy has flown."""
-        return {record.task for (name, _), records in self.groups.items() if name == scenario for record in records}
+        return set().union(*self._flown(scenario))
 
     def common_tasks(self, scenario: str) -> set[Task]:
         """Return the tasks of a scenario that all policies with episodes of it have flown."""
-        groups = self.groups.items()
-        flown = [{record.task for record in records} for (name, _), records in groups if name == scenario]
+        flown = self._flown(scenario)
         return set.intersection(*flown) if flown else set()
+
+    def _flown(self, scenario: str) -> list[set[Task]]:
+        return [{record.task for record in records} for (name, _), records in self.groups.items() if name == scenario]
 
     @cached_property
     def on_common_tasks(self) -> Results:
@@ -166,56 +145,50 @@ class Results(ResultNotes):
         self.mean_curve(scenario, policy)  # reads the steps too, and once is enough
         return [record.facts for record in self.groups[scenario, policy]]
 
-    def mean_curve(self, scenario: str, policy: str) -> NDArray[np.float64]:
-        """Return (T,) mean team coverage by step, up to the last step of any episode."""
-        if (scenario, policy) not in self._mean_curves:
-            self._mean_curves[scenario, policy] = mean_curve(self.groups[scenario, policy])
-        return self._mean_curves[scenario, policy]
-
     @cached_property
-    def _mean_curves(self) -> dict[tuple[str, str], NDArray[np.float64]]:
-        return {}
+    def mean_curve(self) -> Callable[[str, str], NDArray[np.float64]]:
+        """Function of (scenario, policy): (T,) mean team coverage by step, up to the last step of any episode."""
+        return cache(lambda scenario, policy: mean_curve(self.groups[scenario, policy]))
 
     def values(self, scenario: str, policy: str, metric: str) -> NDArray[np.float64]:
         """Return (E,) values of a metric; NaN where missing; T_q never reached counts as the budget."""
         if metric == "t99_to_reference":
             return self.to_reference(scenario, policy, "t99")
-        columns, records = self._columns(scenario, policy), self.groups[scenario, policy]
-        told = columns.get(metric, np.full(len(records), np.nan))
-        never = np.isnan(told) & [is_time(record.metrics, metric) for record in records]
-        return np.where(never, [float(record.budget) for record in records], told)
+        stored, records = self._stored(scenario, policy, metric), self.groups[scenario, policy]
+        never = np.isnan(stored) & [is_time(record.metrics, metric) for record in records]
+        return np.where(never, [float(record.budget) for record in records], stored)
 
     def metric_names(self, scenario: str, policy: str) -> list[str]:
         """Return the metrics that any episode of a policy has, measured or not."""
         return list(self._columns(scenario, policy))
 
-    def _columns(self, scenario: str, policy: str) -> dict[str, NDArray[np.float64]]:
-        """Return (E,) what is stored of each metric; NaN where missing."""
-        if (scenario, policy) not in self._metrics:
-            records = self.groups[scenario, policy]
-            found: defaultdict[str, NDArray[np.float64]] = defaultdict(lambda: np.full(len(records), np.nan))
-            for place, record in enumerate(records):
-                for metric, value in record.metrics.items():
-                    found[metric][place] = np.nan if value is None else value
-            self._metrics[scenario, policy] = dict(found)
-        return self._metrics[scenario, policy]
+    def _stored(self, scenario: str, policy: str, metric: str) -> NDArray[np.float64]:
+        """Return a copy of the (E,) stored values of a metric; NaN where missing."""
+        found = self._columns(scenario, policy).get(metric)
+        return np.full(len(self.groups[scenario, policy]), np.nan) if found is None else found.copy()
 
     @cached_property
-    def _metrics(self) -> dict[tuple[str, str], dict[str, NDArray[np.float64]]]:
-        return {}
+    def _columns(self) -> Callable[[str, str], dict[str, NDArray[np.float64]]]:
+        """Function of (scenario, policy): (E,) stored values by metric; NaN where missing."""
+
+        def columns(scenario: str, policy: str) -> dict[str, NDArray[np.float64]]:
+            table = pd.DataFrame([record.metrics for record in self.groups[scenario, policy]])
+            return {str(metric): column.to_numpy(np.float64) for metric, column in table.items()}
+
+        return cache(columns)
 
     def to_reference(self, scenario: str, policy: str, metric: str) -> NDArray[np.float64]:
         """Return (E,) values of T_q / T_q of the reference; NaN where there is none or the goal is below q.
 
         The reference is the first policy that knows the map and flew the task.
         """
-        records = self.groups[scenario, policy]
-        known = self.references.get(scenario, {}) if self.applies_to(scenario, metric) else {}
-        if not known:
-            return np.full(len(records), np.nan)
-        least = [_value(known[record.task], metric) if record.task in known else 0.0 for record in records]
-        values = self.values(scenario, policy, metric).tolist()
-        return np.array([value / (b or np.nan) for value, b in zip(values, least, strict=True)], np.float64)
+        known: dict[Task, float] = {}
+        for name in reversed(self.privileged_policies if self.applies_to(scenario, metric) else []):
+            if records := self.groups.get((scenario, name)):
+                times = self.values(scenario, name, metric).tolist()
+                known |= {record.task: time for record, time in zip(records, times, strict=True)}
+        least = np.array([known.get(record.task, 0.0) or np.nan for record in self.groups[scenario, policy]])
+        return np.asarray(self.values(scenario, policy, metric) / least)
 
     def maps(self, scenario: str, policy: str) -> NDArray[np.str_]:
         """Return (E,) which map each episode was flown on; equal maps have equal labels, whatever their files.
@@ -245,8 +218,7 @@ class Results(ResultNotes):
 
     def measured(self, scenario: str, policy: str, metric: str) -> NDArray[np.bool_]:
         """Return (E,) whether each episode has a value of a metric; T_q has none where it was never reached."""
-        missing = np.full(len(self.groups[scenario, policy]), np.nan)
-        return ~np.isnan(self._columns(scenario, policy).get(metric, missing))
+        return ~np.isnan(self._stored(scenario, policy, metric))
 
     def success(self, scenario: str, policy: str, metric: str) -> Estimate:
         """Return the share of episodes that :meth:`reached` it with its exact interval."""
@@ -266,37 +238,25 @@ class Results(ResultNotes):
                     *(low, high, *self.success(scenario, policy, metric)),
                 )
 
-    def estimates(self, scenario: str, policy: str) -> dict[str, Estimate]:
-        """Return the mean of every metric that was measured, with its interval: maps are drawn, then episodes."""
-        if (scenario, policy) not in self._estimates:
-            self._estimates[scenario, policy] = self._estimated(scenario, policy)
-        return self._estimates[scenario, policy]
-
     @cached_property
-    def _estimates(self) -> dict[tuple[str, str], dict[str, Estimate]]:
-        return {}
+    def estimates(self) -> Callable[[str, str], dict[str, Estimate]]:
+        """Function of (scenario, policy): the mean of every measured metric, with its interval.
+
+        Maps are drawn, then episodes.
+        """
+        return cache(self._estimated)
 
     def _estimated(self, scenario: str, policy: str) -> dict[str, Estimate]:
-        """Estimate the metrics that all episodes have from one set of resamples, the others one by one."""
         extra = sorted(self._columns(scenario, policy).keys() - set(MEASURES))
         values = {metric: self.values(scenario, policy, metric) for metric in (*MEASURES, *extra)}
-        maps = self.maps(scenario, policy)
-        held = {metric: ~np.isnan(column) for metric, column in values.items()}
-        whole = [metric for metric in values if held[metric].all()]
-        found = dict(zip(whole, bootstrap_means(np.stack([values[m] for m in whole], axis=1), maps=maps), strict=True))
-        for metric, there in held.items():
-            if there.any() and metric not in found:
-                found[metric] = bootstrap_mean(values[metric][there], maps=maps[there])
-        return {metric: found[metric] for metric in values if metric in found}
+        return means_of_measured(values, self.maps(scenario, policy))
 
     def episodes(self) -> pd.DataFrame:
         """Return one row per episode: its task, outcome, steps and metrics."""
         return pd.DataFrame(
             self._episode_row(record, ratio)
-            for scenario, policy in self.groups
-            for record, ratio in zip(
-                self.groups[scenario, policy], self.values(scenario, policy, "t99_to_reference"), strict=True
-            )
+            for key, records in self.groups.items()
+            for record, ratio in zip(records, self.to_reference(*key, "t99"), strict=True)
         )
 
     def _episode_row(self, record: Record, ratio: float) -> dict[str, Any]:
@@ -318,31 +278,12 @@ class Results(ResultNotes):
         }
 
 
-def mean_curve(records: Sequence[Record]) -> NDArray[np.float64]:
-    """Return (T,) mean team coverage by step, each curve constant after its end.
-
-    One episode is read at a time, and its facts are kept for later.
-    """
-    total = np.zeros(1 + max(record.steps for record in records))
-    for record in records:
-        curve, _ = record.curve, record.facts
-        total[: len(curve)] += curve
-        total[len(curve) :] += curve[-1]
-    return total / len(records)
-
-
-def _can_change_results(key: str) -> bool:
-    return key in (*MACHINE, "commit", "python") or key.endswith(" version")
-
-
-def _value(record: Record, metric: str) -> float:
-    value = record.metrics.get(metric)
-    if value is None:
-        return float(record.budget) if is_time(record.metrics, metric) else np.nan
-    return value
-
-
 def write_summary(results: Results, path: Path) -> None:
     """Write summary.csv; equal results give equal bytes."""
+    write_csv(results.summary(), path, "%.6g")
+
+
+def write_csv(table: pd.DataFrame, path: Path, float_format: str | None = None) -> None:
+    """Write a table without its index."""
     with written_whole(path) as partial:
-        results.summary().to_csv(partial, index=False, float_format="%.6g", lineterminator="\n")
+        table.to_csv(partial, index=False, float_format=float_format, lineterminator="\n")

@@ -1,4 +1,4 @@
-"""The tables of a store and their rows: packing records and maps, unpacking them, and the checksum of a row."""
+"""The tables of a store and their rows: compressing records and maps, reading them, and the checksum of a row."""
 
 from __future__ import annotations
 
@@ -59,20 +59,20 @@ def checksum(table: str, row: Row) -> bytes:
     return sha256(b"\0".join((table.encode(), *parts))).digest()[:16]
 
 
-def packed(array: NDArray[Any]) -> bytes:
+def compressed(array: NDArray[Any]) -> bytes:
     """Return the compressed bytes of an array."""
     return zlib.compress(np.ascontiguousarray(array).tobytes(), 6)
 
 
-def unpacked(blob: bytes, kind: type, *shape: int) -> NDArray[Any]:
-    """Return the array that :func:`packed` was given."""
+def decompressed(blob: bytes, kind: type, *shape: int) -> NDArray[Any]:
+    """Return the array that :func:`compressed` was given."""
     return np.frombuffer(zlib.decompress(blob), kind).reshape(shape)
 
 
 def floorplan_row(plan: Floorplan) -> Row:
     """Return the row of a map."""
     start = plan.start or (None, None)
-    return (plan.digest, plan.name, *plan.shape, plan.resolution, plan.kept, packed(plan.truth), *start)
+    return (plan.digest, plan.name, *plan.shape, plan.resolution, plan.kept, compressed(plan.truth), *start)
 
 
 def floorplan_of(row: Row) -> Floorplan:
@@ -84,7 +84,7 @@ def floorplan_of(row: Row) -> Floorplan:
     """
     digest, name, height, width, resolution, kept, cells, row_index, column = row
     start = None if row_index is None else (row_index, column)
-    plan = Floorplan(unpacked(cells, np.uint8, height, width), name, resolution, kept, start)
+    plan = Floorplan(decompressed(cells, np.uint8, height, width), name, resolution, kept, start)
     if plan.digest != digest:
         raise ValueError("its cells are not those of its hash")
     return plan
@@ -95,11 +95,11 @@ def episode_row(record: FlownEpisode, run: int, floorplan: str) -> Row:
     return (
         *(record.policy, *record.task, run, floorplan, record.team, record.budget, record.reachable),
         *(str(record.outcome), record.reason, record.steps, json.dumps(record.metrics)),
-        packed(record.covered.astype(np.int32)),
-        packed(record.cells.astype(np.int16)),
-        packed(record.actions.astype(np.uint8)),
-        packed(record.seconds.astype(np.float32)),
-        packed(record.sent.astype(np.int64)),
+        compressed(record.covered.astype(np.int32)),
+        compressed(record.cells.astype(np.int16)),
+        compressed(record.actions.astype(np.uint8)),
+        compressed(record.seconds.astype(np.float32)),
+        compressed(record.sent.astype(np.int64)),
     )
 
 
@@ -107,26 +107,24 @@ def steps_of(row: Row) -> Steps:
     """Return the steps of an episode's row; raises one of several errors where the row is damaged."""
     team, steps, (covered, cells, actions, seconds, sent) = row[6], row[11], row[13:]
     return Steps(
-        covered=unpacked(covered, np.int32, steps + 1, -1),
-        cells=unpacked(cells, np.int16, steps + 1, team, 2),
-        actions=unpacked(actions, np.uint8, steps, team),
-        seconds=unpacked(seconds, np.float32, steps + 1),
-        sent=unpacked(sent, np.int64, steps + 1),
+        covered=decompressed(covered, np.int32, steps + 1, -1),
+        cells=decompressed(cells, np.int16, steps + 1, team, 2),
+        actions=decompressed(actions, np.uint8, steps, team),
+        seconds=decompressed(seconds, np.float32, steps + 1),
+        sent=decompressed(sent, np.int64, steps + 1),
     )
+
+
+def fields_of(row: Row, plans: Mapping[str, Floorplan]) -> dict[str, Any]:
+    """Return the fields of the record of an episode's row without its steps; raises as :func:`steps_of` does."""
+    policy, scenario, index, seed, _, plan, team, budget, reachable, outcome, reason, _, metrics, *_ = row
+    return {
+        **{"policy": policy, "task": Task(scenario, index, seed), "floorplan": plans[plan]},
+        **{"team": team, "budget": budget, "reachable": reachable},
+        **{"outcome": Outcome(outcome), "reason": reason, "metrics": json.loads(metrics)},
+    }
 
 
 def record_of(row: Row, plans: Mapping[str, Floorplan]) -> Record:
-    """Return the record of an episode's row with its steps; raises one of several errors where the row is damaged."""
-    policy, scenario, index, seed, _, plan, team, budget, reachable, outcome, reason, _, metrics, *_ = row
-    return Record(
-        policy=policy,
-        task=Task(scenario, index, seed),
-        floorplan=plans[plan],
-        team=team,
-        budget=budget,
-        reachable=reachable,
-        outcome=Outcome(outcome),
-        reason=reason,
-        metrics=json.loads(metrics),
-        **vars(steps_of(row)),
-    )
+    """Return the record of an episode's row with its steps; raises as :func:`steps_of` does."""
+    return Record(**fields_of(row, plans), **vars(steps_of(row)))

@@ -17,8 +17,17 @@ from indoor_explorers.env import InputError
 from indoor_explorers.env.errors import one_line
 from indoor_explorers.evaluation.harness.episodes.record import FlownEpisode, Outcome, Record, is_of_machine
 from indoor_explorers.evaluation.harness.experiment.experiment import Experiment, Task
+from indoor_explorers.evaluation.harness.results.database import (
+    SQL_ERRORS,
+    connect,
+    is_corrupt,
+    not_written,
+    remove,
+    transaction,
+    write_ahead,
+)
 from indoor_explorers.evaluation.harness.results.policy_version import version_difference
-from indoor_explorers.evaluation.harness.results.reading import FORMAT, SETTINGS, SQL_ERRORS, connect
+from indoor_explorers.evaluation.harness.results.reading import FORMAT, SETTINGS
 from indoor_explorers.evaluation.harness.results.rows import (
     ATTEMPTS,
     CHECKSUMS,
@@ -27,13 +36,6 @@ from indoor_explorers.evaluation.harness.results.rows import (
     Row,
     episode_row,
     floorplan_row,
-)
-from indoor_explorers.evaluation.harness.results.writing import (
-    is_corrupt,
-    not_written,
-    remove,
-    transaction,
-    write_ahead,
 )
 from indoor_explorers.evaluation.harness.results.written_rows import WrittenRows
 
@@ -263,10 +265,7 @@ class Store(WrittenRows):
 
     def _insert(self, table: str, row: Row) -> None:
         """Insert a row with its checksum; a row of the same key is left as it is."""
-        added = self._db.execute(f"INSERT OR IGNORE INTO {table} VALUES ({_marks(len(row))})", row)
+        marks = ", ".join("?" * len(row))
+        added = self._db.execute(f"INSERT OR IGNORE INTO {table} VALUES ({marks})", row)
         if added.rowcount:
             self._sign(table, "rowid = ?", added.lastrowid)
-
-
-def _marks(count: int) -> str:
-    return ", ".join("?" * count)

@@ -1,17 +1,16 @@
-"""Records whose steps stay in the store: they are read, checked and unpacked where somebody asks for them.
+"""Records whose steps stay in the store until they are used, and are then read, checked and unpacked.
 
-An episode then takes about a kilobyte of memory instead of the tens of its steps. The steps that were read last are
-kept, as most reports ask for the same ones again.
+An episode then takes about a kilobyte of memory instead of some tens. The steps that were read last are kept, as most
+reports use them several times.
 """
 
 from __future__ import annotations
 
-import json
 import sqlite3
 import struct
 import weakref
 from collections import OrderedDict
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import fields
 from functools import cached_property, lru_cache, partial
 from pathlib import Path
@@ -21,11 +20,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.maps.floorplan import Floorplan
-from indoor_explorers.evaluation.harness.episodes.record import Outcome, Record
+from indoor_explorers.evaluation.harness.episodes.record import Record
 from indoor_explorers.evaluation.harness.episodes.steps import StepFacts, Steps
 from indoor_explorers.evaluation.harness.experiment.experiment import Task
-from indoor_explorers.evaluation.harness.results.damage import NO_CHECKSUM, UNREADABLE, Damage, damaged_episodes
-from indoor_explorers.evaluation.harness.results.rows import Row, checksum, steps_of
+from indoor_explorers.evaluation.harness.results.database import (
+    NO_CHECKSUM,
+    UNREADABLE,
+    Damage,
+    connect_read_only,
+    damaged_episodes,
+)
+from indoor_explorers.evaluation.harness.results.rows import Row, checksum, fields_of, steps_of
 
 #: Bytes of unpacked steps that are kept.
 KEPT = 2**23
@@ -37,14 +42,14 @@ Metrics = dict[str, float | None]
 class StoredSteps:
     """The steps of the episodes in a store, which is opened for the first of them."""
 
-    def __init__(self, path: Path, connect: Callable[[Path], sqlite3.Connection]) -> None:
-        self._path, self._connect = path.resolve(), connect
+    def __init__(self, path: Path) -> None:
+        self._path = path.resolve()
         self._kept: OrderedDict[int, Steps] = OrderedDict()
         self._bytes = 0
 
     @cached_property
     def _db(self) -> sqlite3.Connection:
-        db = self._connect(self._path)
+        db = connect_read_only(self._path)
         weakref.finalize(self, db.close)
         return db
 
@@ -69,14 +74,12 @@ class StoredSteps:
         row: Row = (None,) * 4
         try:
             row = self._db.execute("SELECT * FROM episode WHERE rowid = ?", (rowid,)).fetchone() or row
-            if not self._signed(checksum("episode", row)):
+            digest = checksum("episode", row)
+            if not self._db.execute("SELECT 1 FROM checksum WHERE digest = ?", (digest,)).fetchone():
                 raise ValueError(NO_CHECKSUM)
             return steps_of(row)
         except (sqlite3.Error, *UNREADABLE) as error:
             raise damaged_episodes(self._path, [Damage(rowid, row[0], Task(*row[1:4]), str(error))]) from error
-
-    def _signed(self, digest: bytes) -> bool:
-        return bool(self._db.execute("SELECT 1 FROM checksum WHERE digest = ?", (digest,)).fetchone())
 
 
 class StoredRecord(Record):
@@ -92,27 +95,23 @@ class StoredRecord(Record):
     @classmethod
     def of_row(cls, row: Row, rowid: int, plans: Mapping[str, Floorplan], source: StoredSteps) -> Self:
         """Return the record of an episode's row; raises one of several errors where the row is damaged."""
-        policy, scenario, index, seed, _, plan, team, budget, reachable, outcome, reason, steps, metrics, *_ = row
-        return cls._with(
-            *(("policy", policy), ("task", Task(scenario, index, seed)), ("team", team), ("budget", budget)),
-            *(("reachable", reachable), ("outcome", Outcome(outcome)), ("reason", reason), ("floorplan", plans[plan])),
-            *(("_source", source), ("_rowid", rowid), ("_length", steps)),
-            *_packed(json.loads(metrics)),
-        )
+        held = fields_of(row, plans)
+        held |= _metric_attributes(held.pop("metrics")) | {"_source": source, "_rowid": rowid, "_length": row[11]}
+        return cls._with(held)
 
     @classmethod
-    def _with(cls, *parts: tuple[str, Any]) -> Self:
+    def _with(cls, attributes: Mapping[str, Any]) -> Self:
         record = object.__new__(cls)
-        for name, value in parts:
+        for name, value in attributes.items():
             object.__setattr__(record, name, value)
         return record
 
     def __getattr__(self, name: str) -> Any:
-        """Return what this object does not hold."""
+        """Return a field that is read from the store or unpacked on demand."""
         if name in OF_STEPS:
             return getattr(self._read(), name)
         if name == "metrics":
-            return self._layout.unpacked(self._numbers)
+            return self._layout.unpack(self._numbers)
         if name == "_length":
             return len(self.actions)
         if name == "_facts":
@@ -140,8 +139,8 @@ class StoredRecord(Record):
 
     def with_metrics(self, metrics: Metrics) -> Self:
         """Return the record with other metrics."""
-        kept = ((name, value) for name, value in vars(self).items() if name not in ("metrics", "_layout", "_numbers"))
-        return self._with(*kept, *_packed(metrics))
+        kept = {name: value for name, value in vars(self).items() if name not in ("metrics", "_layout", "_numbers")}
+        return self._with(kept | _metric_attributes(metrics))
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Leave the store behind: a copy is in memory."""
@@ -156,7 +155,7 @@ class MetricLayout(NamedTuple):
     missing: Metrics
     """All names in their order, as if none had a value."""
 
-    def unpacked(self, numbers: bytes) -> Metrics:
+    def unpack(self, numbers: bytes) -> Metrics:
         """Return the metrics."""
         return {**self.missing, **dict(zip(self.valued, self.numbers.unpack(numbers), strict=True))}
 
@@ -168,11 +167,11 @@ def _layout(names: tuple[str, ...], kinds: tuple[type, ...]) -> MetricLayout:
     return MetricLayout(struct.Struct("=" + "".join(codes[kind] for kind in kinds)), valued, dict.fromkeys(names))
 
 
-def _packed(metrics: Metrics) -> tuple[tuple[str, Any], ...]:
-    """Return metrics as attributes of a record: in few bytes, or as they are where they are no plain numbers."""
+def _metric_attributes(metrics: Metrics) -> dict[str, Any]:
+    """Return metrics as attributes of a record: as bytes, or unchanged where they are not plain numbers."""
     try:
         layout = _layout(tuple(metrics), tuple(map(type, metrics.values())))
         numbers = layout.numbers.pack(*(value for value in metrics.values() if value is not None))
     except (KeyError, struct.error):
-        return (("metrics", metrics),)
-    return ("_layout", layout), ("_numbers", numbers)
+        return {"metrics": metrics}
+    return {"_layout": layout, "_numbers": numbers}

@@ -1,4 +1,4 @@
-"""Whether results are those of a suite: recognised by settings, maps and seeds, however they were flown."""
+"""Recognises results of a suite by settings, maps and seeds, whatever command flew them."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from indoor_explorers.evaluation.harness.episodes.stored_names import MODELS, ou
 
 
 class SuiteTask(NamedTuple):
-    """A task of a suite, told by what is flown rather than by names and places of files."""
+    """A task of a suite, identified by its map and seed rather than by names and paths of files."""
 
     scenario: str
     """The suite's name of the scenario."""
@@ -62,7 +62,7 @@ class SuiteRun:
 def suite_run_of(
     scenarios: Mapping[str, Mapping[str, Any]], records: Mapping[str, Iterable[Record]]
 ) -> SuiteRun | None:
-    """Return which part of which suite results are about; None where any task is of none, or of another one.
+    """Return which part of which suite results are about; None if any task is not of that part.
 
     Args:
         scenarios: stored settings by the name of the scenario.
@@ -88,7 +88,7 @@ def _name_in(suite: Suite, stored: Mapping[str, Any]) -> str:
 
 
 def _is_generator(maps: BaseMaps, stored: Mapping[str, Any]) -> bool:
-    """Tell whether stored settings are those of a generator; what older results lack is at its default."""
+    """Return whether stored settings are those of a generator; settings that older results lack are at defaults."""
     try:
         return type(maps).model_validate(stored) == maps
     except ValidationError:
@@ -96,7 +96,7 @@ def _is_generator(maps: BaseMaps, stored: Mapping[str, Any]) -> bool:
 
 
 def _settings(scenario: Scenario) -> dict[str, Any]:
-    """Return what makes a task beside its maps; one UAV has nobody to call."""
+    """Return the settings of a task without its maps, and without the radio for one UAV."""
     return scenario.model_dump(exclude={"name", "map", *(["radio"] if scenario.team == 1 else [])})
 
 

@@ -1,4 +1,4 @@
-"""Refuses a store before its report is written if its rows are not what was flown: a policy can write to the file."""
+"""Refuses a store before its report is written if its rows are not what was flown: policies could change the file."""
 
 from __future__ import annotations
 

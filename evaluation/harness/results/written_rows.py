@@ -1,4 +1,4 @@
-"""A store whose writer remembers what is in it: digests stay in this process, where no policy can change them."""
+"""A store whose writer keeps the digests of its rows in this process, where no policy can change them."""
 
 from __future__ import annotations
 
@@ -10,25 +10,25 @@ from typing import Any, NamedTuple
 from indoor_explorers.env.errors import one_line
 from indoor_explorers.evaluation.harness.episodes.record import Outcome, Record
 from indoor_explorers.evaluation.harness.experiment.experiment import Task, episode_name
+from indoor_explorers.evaluation.harness.results.database import transaction
 from indoor_explorers.evaluation.harness.results.reading import StoreReader
 from indoor_explorers.evaluation.harness.results.rows import Row, checksum, floorplan_of, record_of
-from indoor_explorers.evaluation.harness.results.writing import transaction
 
 #: A row by its table and rowid.
 Place = tuple[str, int]
 
 
-class Flight(NamedTuple):
-    """An episode by its row, with what it is chosen by from many."""
+class StoredFlight(NamedTuple):
+    """An episode by its row, with the facts by which some are chosen from many."""
 
     rowid: int
     map_index: int
     actions: bytes
-    """Packed."""
+    """Compressed."""
 
 
 class WrittenRows(StoreReader):
-    """Tells which rows are not what this process found or wrote; reads and sets aside single episodes."""
+    """Finds rows that other programs changed; reads single episodes, and moves them to the table of damaged ones."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -38,7 +38,7 @@ class WrittenRows(StoreReader):
     def changed(self, run: int) -> dict[Place, str]:
         """Return rows that are not as they were noted, and episodes of a run of this process that it did not write.
 
-        Each is named by what it is now.
+        The values are descriptions of the rows as they are now.
         """
         of_run = self._rows(f"SELECT rowid FROM episode WHERE run = {run}")
         digests = dict.fromkeys((("episode", rowid) for (rowid,) in of_run), b"") | self._noted
@@ -49,11 +49,11 @@ class WrittenRows(StoreReader):
             if row is None or checksum(place[0], row) != digest
         }
 
-    def flights(self, policy: str, scenario: str) -> list[Flight]:
+    def flights(self, policy: str, scenario: str) -> list[StoredFlight]:
         """Return the episodes of a policy that did not fail, in the order in which they were added."""
         which = "policy = ? AND scenario = ? AND outcome <> ? ORDER BY rowid"
         query = f"SELECT rowid, map_index, actions FROM episode WHERE {which}"
-        return [Flight(*row) for row in self._db.execute(query, (policy, scenario, Outcome.FAILED))]
+        return [StoredFlight(*row) for row in self._db.execute(query, (policy, scenario, Outcome.FAILED))]
 
     def rows_of(self, runs: Sequence[int]) -> list[int]:
         """Return the rows of all episodes of some runs."""

@@ -16,14 +16,49 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 
-from indoor_explorers.env import Scenario, World
+from indoor_explorers.env import UNKNOWN, Scenario, World
 from indoor_explorers.env.grid.arrays import Belief, Cell
 from indoor_explorers.env.rendering.scene import base_links, with_base
 from indoor_explorers.env.simulation.state import End
 from indoor_explorers.evaluation.harness.episodes.record import Record
 from indoor_explorers.evaluation.harness.episodes.resimulate import ended_as_recorded, resimulate
 from indoor_explorers.evaluation.report.packing import Keyed, folded, packed, runs
-from indoor_explorers.evaluation.report.replay.revisions import Revisions, masks_of
+
+
+class Revisions:
+    """The changes of some (H * W,) masks over time; every mask is empty before the first step."""
+
+    def __init__(self, size: int, masks: int) -> None:
+        self._now = np.zeros((masks, size), np.bool_)
+        self._steps: list[list[NDArray[np.int64]]] = [[] for _ in range(masks)]
+
+    def add(self, masks: list[NDArray[np.bool_]]) -> None:
+        """Note the masks after one step more."""
+        for place, mask in enumerate(masks):
+            self._steps[place].append(np.flatnonzero(self._now[place] != mask))
+            self._now[place] = mask
+
+    def by_frame(self, shown: NDArray[np.int64]) -> list[Keyed]:
+        """Return for each mask the cells that changed since the frame before, as runs; frames are steps (F,)."""
+        listed = np.arange(len(shown))
+        return [self._runs(changes, shown, listed) for changes in self._steps]
+
+    def _runs(self, changes: list[NDArray[np.int64]], shown: NDArray[np.int64], listed: NDArray[np.int64]) -> Keyed:
+        lengths = [len(cells) for cells in changes]
+        frames = np.repeat(np.searchsorted(shown, np.arange(len(changes))), lengths)
+        size = self._now.shape[1]
+        keys, times = np.unique(frames * size + np.concatenate(changes), return_counts=True)
+        keys = keys[times % 2 == 1]  # what changed there and back between two frames did not change
+        return runs(keys // size, keys % size, listed)
+
+
+def masks_of(world: World) -> list[NDArray[np.bool_]]:
+    """Return what the team's map shows rightly and wrongly in place 0, and what the base's map shows rightly."""
+    state, truth = world.state, world.state.truth[0]
+    team = state.union[0]
+    masks = [team == truth, (team != truth) & (team != UNKNOWN)]
+    return [mask.ravel() for mask in (*masks, *([state.base_belief[0] == truth] if world.scenario.base.exists else []))]
+
 
 #: Step of cells that never become known, and of UAVs that never stop.
 NEVER = np.iinfo(np.int32).max
@@ -107,7 +142,7 @@ def frame_steps(steps: int, stride: int) -> list[int]:
 
 
 def pack_episode(flight: ReplayEpisode, stride: int, *, own: bool = True) -> bytes:
-    """Pack an episode frame by frame, with each ``own`` map or with those of the team and the base alone.
+    """Pack an episode frame by frame, with each UAV's ``own`` map, or only with the maps of the team and the base.
 
     A frame is a list of whole numbers: the moves of each UAV (row, column; folded), the cells flown and the bytes sent
     since the frame before, the contacts that began or ended, and for each group of those linked, ordered by its first

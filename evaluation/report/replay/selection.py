@@ -83,11 +83,9 @@ def replay_data(comparison: Comparison, styles: Styles, limit: int, count: int |
 
 def _fitting(comparison: Comparison, limit: int) -> Iterator[dict[str, Any]]:
     """Yield episodes as long as they fit; the notable ones share the bytes evenly."""
-    order = _by_lateness(comparison)
-    picks = _chosen(comparison, order)
-    notable = len(_notable(comparison, order))
+    notable = len(notable_tasks(comparison))
     left = limit
-    for place, pick in enumerate(picks):
+    for place, pick in enumerate(chosen(comparison)):
         share = left // max(1, notable - place)
         episode = _episode(comparison, pick, share, left)
         if episode is None:
@@ -97,30 +95,24 @@ def _fitting(comparison: Comparison, limit: int) -> Iterator[dict[str, Any]]:
 
 
 def chosen(comparison: Comparison, *, everything: bool = False) -> list[Pick]:
-    """Return the notable tasks, then a task of each other map, then those left if ``everything`` is asked for."""
-    picks = {pick.task: pick for pick in _chosen(comparison, _by_lateness(comparison))}
+    """Return the notable tasks, then a task of each other map, then all others with ``everything``."""
+    order = _by_lateness(comparison)
+    picks = {pick.task: pick for pick in notable_tasks(comparison, order)}
+    maps = {task.map_index for task in order} - {task.map_index for task in picks}
+    others: defaultdict[int, list[Task]] = defaultdict(list)
+    for task in order:
+        others[task.map_index].append(task)
+    medians = [others[index][(len(others[index]) - 1) // 2] for index in sorted(maps)]
+    picks |= {task: Pick("median of its map", task) for task in medians}
     if everything:
         rest = sorted(comparison.results.tasks(comparison.scenario) - picks.keys())
         picks |= {task: Pick("episode", task) for task in rest}
     return list(picks.values())
 
 
-def notable_tasks(comparison: Comparison) -> list[Pick]:
+def notable_tasks(comparison: Comparison, order: Sequence[Task] | None = None) -> list[Pick]:
     """Return the median, fastest and slowest task by mean time over the policies, and one with a failure."""
-    return _notable(comparison, _by_lateness(comparison))
-
-
-def _chosen(comparison: Comparison, order: Sequence[Task]) -> list[Pick]:
-    picks = {pick.task: pick for pick in _notable(comparison, order)}
-    maps = {task.map_index for task in order} - {task.map_index for task in picks}
-    others: defaultdict[int, list[Task]] = defaultdict(list)
-    for task in order:
-        others[task.map_index].append(task)
-    medians = [others[index][(len(others[index]) - 1) // 2] for index in sorted(maps)]
-    return [*picks.values(), *(Pick("median of its map", task) for task in medians)]
-
-
-def _notable(comparison: Comparison, order: Sequence[Task]) -> list[Pick]:
+    order = _by_lateness(comparison) if order is None else order
     if not order:
         return []
     picks = [("median", order[(len(order) - 1) // 2]), ("fastest", order[0]), ("slowest", order[-1])]

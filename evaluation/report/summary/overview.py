@@ -20,7 +20,7 @@ from indoor_explorers.evaluation.harness.results.coverage_threshold import Cover
 from indoor_explorers.evaluation.harness.results.results import Results
 from indoor_explorers.evaluation.report.charts.small_multiples import Panel, scenario_multiples
 
-#: Up to so many scenarios are named.
+#: Largest number of scenarios that are named.
 FEW = 3
 
 
@@ -41,7 +41,7 @@ class Overview:
 
 
 def overview(results: Results, comparisons: Mapping[str, Comparison], styles: Styles) -> Overview:
-    """Gather the overview of all results; ``comparisons`` are those of their common tasks, by section."""
+    """Gather the overview of all results; ``comparisons`` cover their common tasks, by section."""
     return Overview(
         verdict=verdict_on(results),
         lead=lead(list(comparisons.values())),
@@ -66,11 +66,11 @@ def lead(comparisons: Sequence[Comparison]) -> Markup:
         Markup("{} in {}").format(named(names), number if place else f"{number} of {len(flown)} scenarios")
         for place, (names, number) in enumerate(sorted(tally.items(), key=lambda each: (-each[1], each[0])))
     ]
-    nobody = [name for name, names in first.items() if not names]
-    missed = Markup("; no policy reached {} in {}").format(reached, _listed(nobody)) if nobody else ""
+    unreached = [name for name, names in first.items() if not names]
+    missed = Markup("; no policy reached {} in {}").format(reached, _listed(unreached)) if unreached else ""
     what = level.title if level else "time to the coverage threshold"
-    told = resolution([outcomes(each) for each in flown if first[each.scenario]], flown[0].results.margin)
-    return Markup("Lowest mean {}: {}{}. {}").format(what, Markup(", ").join(wins), missed, told)
+    resolved = resolution([outcomes(each) for each in flown if first[each.scenario]], flown[0].results.margin)
+    return Markup("Lowest mean {}: {}{}. {}").format(what, Markup(", ").join(wins), missed, resolved)
 
 
 def _listed(scenarios: Sequence[str]) -> str:

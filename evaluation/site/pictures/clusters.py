@@ -14,8 +14,7 @@ from indoor_explorers.env import FREE, UNKNOWN, World, make_policy, scenario
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.maps.sources import FloorsMaps
 from indoor_explorers.env.search.bfs import distance_field
-from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
-from indoor_explorers.evaluation.site.pictures.drawing import MARKED, cells
+from indoor_explorers.evaluation.site.pictures.drawing import MARKED, PLATE, cells, fly_steps
 from indoor_explorers.learners.places import network
 from indoor_explorers.learners.places.policy import DddqnPlaces
 from indoor_explorers.learners.places.scene import Observer
@@ -38,14 +37,13 @@ MOST = (1.5, 4.0)
 #: The generated floors that estimates are compared with the truth on, and bins of probabilities.
 FLOORS = FloorsMaps(height=96, width=120, area=(300.0, 1000.0))
 SEEDS, BINS = range(100, 120), 5
-#: Colours and markers of the thresholds; the colour of a chosen place; what texts stand on.
+#: Colours and markers of the thresholds; the colour of a chosen place.
 CURVES = (("#0072b2", "o"), ("#d55e00", "s"), ("#008f68", "D"))
 CHOSEN = "#d55e00"
-PLATE = {"facecolor": "white", "alpha": 0.85, "edgecolor": "none", "boxstyle": "round,pad=0.15"}
 
 
 class Choice(NamedTuple):
-    """One view, and what the two policies make of it."""
+    """One view, and how two policies value its candidates."""
 
     belief: NDArray[np.uint8]
     cell: Cell
@@ -64,7 +62,7 @@ def choice() -> Choice:
     """Return the view of ``CHOICE`` in ``small-floors``, flown by ``dddqn-places`` alone."""
     world = World(scenario("small-floors").with_settings({"team": 1}))
     world.reset([CHOICE[0]])
-    _fly(world, "dddqn-places", CHOICE[1])
+    fly_steps(world, make_policy("dddqn-places"), CHOICE[1])
     view, briefing, policy = world.view(0, 0), world.briefing(0, 0), DddqnPlaces()
     pilot: Any = policy.pilot(briefing)
     other: Any = make_policy("frontier-predictive").pilot(briefing)
@@ -109,14 +107,6 @@ def _label(axes: Any, row: float, col: float, text: str) -> None:
     axes.text(col, row, text, fontsize=7.5, ha="center", va="center", bbox=PLATE)
 
 
-def _fly(world: World, name: str, steps: int) -> None:
-    """Fly an episode that has begun for some steps."""
-    policy = make_policy(name)
-    for step, _ in enumerate(rollout(world, ask_pilots(policy, make_pilots(policy, world), world)), start=1):
-        if step == steps:
-            break
-
-
 def _cells_of(clusters: Clusters, number: int) -> NDArray[np.int32]:
     return clusters.cells[clusters.ends[number] : clusters.ends[number + 1]]
 
@@ -132,7 +122,7 @@ def pockets(figure: Figure) -> None:
     seed, steps = BELIEF
     world = World(scenario("floors").with_settings({"team": 1}))
     world.begin(0, seed, floorplan=FLOORS.floorplan(0, seed))
-    _fly(world, "frontier-predictive", steps)
+    fly_steps(world, make_policy("frontier-predictive"), steps)
     view, truth, reach = world.view(0, 0), world.state.truth[0], world.scenario.lidar.range
     belief = np.array(view.belief)
     clusters = frontier_clusters(belief, reach)

@@ -13,11 +13,10 @@ from indoor_explorers.env import FREE, OCCUPIED, UNKNOWN, World, make_policy, sc
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.sensing.lidar import scan
 from indoor_explorers.env.simulation.radio import in_reach
-from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
 from indoor_explorers.env.simulation.state import rules_of
 from indoor_explorers.evaluation.harness.episodes.runner import fly
 from indoor_explorers.evaluation.harness.experiment.experiment import Task
-from indoor_explorers.evaluation.site.pictures.drawing import LOST, MARKED, UAV, cells, svg
+from indoor_explorers.evaluation.site.pictures.drawing import LOST, MARKED, UAV, cells, fly_steps, svg
 from indoor_explorers.evaluation.statistics import bootstrap_mean
 
 
@@ -59,10 +58,7 @@ def _in_contact(rules: Any, truth: NDArray[np.uint8], one: tuple[int, int], othe
 def _belief(figure: Figure) -> None:
     world = World(scenario("small-offices").with_settings({"team": 2, "radio.model": "none", "spawn": "random"}))
     world.reset([4])
-    policy = make_policy("frontier-nearest")
-    for step, _ in enumerate(rollout(world, ask_pilots(policy, make_pilots(policy, world), world))):
-        if step == 70:
-            break
+    fly_steps(world, make_policy("frontier-nearest"), 71)
     state = world.state
     figure.set_size_inches(7.0, 2.0)
     uavs = state.cell[0].tolist()

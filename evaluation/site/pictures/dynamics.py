@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import pandas as pd
-from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 
-from indoor_explorers.env import OCCUPIED, scenario
+from indoor_explorers.env import scenario
 from indoor_explorers.evaluation.drawing.palette import COLOURS
-from indoor_explorers.evaluation.site.pictures.drawing import svg
+from indoor_explorers.evaluation.site.pictures.drawing import plan_map, svg
 from indoor_explorers.evaluation.site.studies.dynamics import DRAWN, FLIGHTS, SCENARIO, TRACKS
 
 #: Metres around the tracks.
@@ -23,15 +22,10 @@ def dynamics_pictures() -> dict[str, bytes]:
 def _tracks(figure: Figure) -> None:
     tracks = pd.read_csv(TRACKS)
     plan = scenario(SCENARIO).map.floorplan(0, DRAWN)
-    side = plan.resolution or 1.0
-    height, width = plan.truth.shape
     (left, right), (top, bottom) = (_extent(tracks[[f"{axis}_0", f"{axis}_1"]]) for axis in ("right", "down"))
     figure.set_size_inches(7.0, 7.0 * (bottom - top) / (right - left) + 0.5)
-    shown = ListedColormap(["#ffffff", "#c8ccd1"])
     for axes, name in zip(figure.subplots(2, 2).ravel(), FLIGHTS, strict=True):
-        axes.imshow(
-            plan.truth == OCCUPIED, cmap=shown, extent=(0, width * side, height * side, 0), interpolation="nearest"
-        )
+        plan_map(axes, plan, "#c8ccd1")
         flight = tracks[tracks["flight"] == name]
         for uav in (0, 1):
             axes.plot(flight[f"right_{uav}"], flight[f"down_{uav}"], color=COLOURS[uav][0], linewidth=1.0)

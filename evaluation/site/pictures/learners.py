@@ -12,13 +12,12 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env import Action, World, scenario
 from indoor_explorers.env.grid.cells import MOVES
-from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
 from indoor_explorers.evaluation.site.pictures.clusters import places, pockets
-from indoor_explorers.evaluation.site.pictures.drawing import UAV, cells, svg
+from indoor_explorers.evaluation.site.pictures.drawing import PLATE, UAV, cells, fly_steps, svg
 from indoor_explorers.learners.dddqn.network.inference import NetworkWeights, q_values, without_network
 from indoor_explorers.learners.dddqn.observation.layout import BEYOND, BLOCKED, GAINS, TOURS, VISITS
 from indoor_explorers.learners.dddqn.policy import Dddqn
-from indoor_explorers.learners.dddqn.weights import Loaded, load_weights, shipped
+from indoor_explorers.learners.dddqn.weights import LoadedWeights, load_weights, shipped
 
 #: The weights and the view that are shown: a seed for trials, and a step at which network and rule choose other moves.
 NAME, SEED, STEP = "thesis-obstacles", 2, 9
@@ -39,11 +38,10 @@ ARROWS = (
     *(("image", "look"), ("look", "think"), ("moves", "below"), ("moves", "own"), ("moves", "tours")),
     *(("think", "value"), ("think", "all"), ("value", "q"), ("all", "q"), ("own", "q"), ("tours", "q")),
 )
-_PLATE = {"facecolor": "white", "alpha": 0.85, "edgecolor": "none", "boxstyle": "round,pad=0.15"}
 
 
 class Moment(NamedTuple):
-    """What the network saw at one step, and what it made of it."""
+    """Observation, features and values of the network at one step."""
 
     belief: NDArray[np.uint8]
     cell: tuple[int, int]
@@ -65,7 +63,7 @@ def learner_pictures() -> dict[str, bytes]:
     return {f"learner-{name}.svg": svg(draw) for name, draw in drawn.items()}
 
 
-def _loaded() -> Loaded:
+def _loaded() -> LoadedWeights:
     return load_weights(shipped()[NAME])
 
 
@@ -75,12 +73,8 @@ def moment() -> Moment:
     policy, loaded = Dddqn(), _loaded()
     world = World(scenario(NAME).for_evaluation())
     world.reset([SEED])
-    pilots = make_pilots(policy, world)
-    for step, _ in enumerate(rollout(world, ask_pilots(policy, pilots, world)), start=1):
-        if step == STEP:
-            break
+    pilot: Any = fly_steps(world, policy, STEP)[0, 0]
     view = world.view(0, 0)
-    pilot: Any = pilots[0, 0]
     pilot.act(view)
 
     def value(weights: NetworkWeights) -> NDArray[np.float32]:
@@ -132,7 +126,7 @@ def _plane(axes: Any, seen: Moment, at: int, side: int, scale: int, name: str) -
 
 
 def _features(axes: Any, seen: Moment, sides_at: int) -> None:
-    """Draw the numbers about each move as a table, those of the map image's sides first."""
+    """Draw the numbers about each move as a table, the map image's sides first."""
     table = np.vstack([seen.scene[sides_at : sides_at + 4], seen.moves.T])
     names = ["unknown cells on that side", *BLOCKED, *GAINS, *VISITS, *TOURS]
     axes.imshow(table, cmap="Blues", vmin=0, vmax=1.8, aspect="auto", interpolation="nearest")
@@ -196,7 +190,7 @@ def _values(figure: Figure) -> None:
         to = seen.cell[1] + 2.2 * col, seen.cell[0] + 2.2 * row
         left.annotate("", to, seen.cell[::-1], arrowprops={"arrowstyle": "-|>", "color": colour, "linewidth": 1.8})
         side = "left" if col > 0 else "right"
-        left.text(to[0] + 0.3 * col, to[1], name, ha=side, va="center", color=colour, weight="bold", bbox=_PLATE)
+        left.text(to[0] + 0.3 * col, to[1], name, ha=side, va="center", color=colour, weight="bold", bbox=PLATE)
     wide = 0.8 / len(TERMS)
     for n, (name, colour, _) in enumerate(TERMS):
         right.bar(np.arange(4) + (n - 1) * wide, seen.terms[n], wide, color=colour, label=name)

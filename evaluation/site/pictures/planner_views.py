@@ -1,6 +1,6 @@
-"""What the pictures of planners show: floors flown up to a decision, and the pilots that make it.
+"""Floors flown up to a decision for the pictures of planners, and the pilots that decide.
 
-Evaluation imports no planner, so pilots come from the registry, and what they decide from is asked of them by name.
+Evaluation imports no planner: pilots come from the registry, and the pictures read their attributes by name.
 """
 
 from __future__ import annotations

@@ -54,10 +54,10 @@ def planner_pictures() -> dict[str, bytes]:
     """Return the SVG files of the page by name."""
     drawn = {
         "clusters": _clusters,
+        "estimates": _estimates,
         "decisions": _decisions,
         "trees": _trees,
         "swarm": swarm,
-        "estimates": _estimates,
         "sectors": sectors,
     }
     return {f"planner-{name}.svg": svg(draw) for name, draw in drawn.items()}

@@ -5,12 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 
-from indoor_explorers.env import OCCUPIED
 from indoor_explorers.evaluation.drawing.palette import COLOURS
-from indoor_explorers.evaluation.site.pictures.drawing import svg
+from indoor_explorers.evaluation.site.pictures.drawing import plan_map, svg
 from indoor_explorers.evaluation.site.studies.radio_comparison import (
     DEFAULTS,
     METRES,
@@ -39,7 +37,6 @@ def _walls(figure: Figure) -> None:
     left, right = figure.subplots(1, 2)
     plan = dict(floors())[FLOOR]
     grid, side = room_grid(plan), plan.resolution or 1.0
-    height, width = plan.truth.shape
     links = _links(FLOOR)
     for axes, title in (
         (left, "The floor: walls between two UAVs"),
@@ -54,14 +51,10 @@ def _walls(figure: Figure) -> None:
             count = link[4] if axes is left else link[5]
             box = {"boxstyle": "round,pad=0.15", "facecolor": "white", "edgecolor": ORANGE, "linewidth": 0.8}
             axes.text(xs.mean(), ys.mean(), count, color=ORANGE, weight="bold", ha="center", va="center", bbox=box)
-    shown = ListedColormap(["#ffffff", "#30343b"])
-    left.imshow(plan.truth == OCCUPIED, cmap=shown, extent=(0, width * side, height * side, 0), interpolation="nearest")
-    right.hlines(
-        np.linspace(grid.top, grid.bottom, grid.down + 1), grid.left, grid.right, color="#30343b", linewidth=0.9
-    )
-    right.vlines(
-        np.linspace(grid.left, grid.right, grid.across + 1), grid.top, grid.bottom, color="#30343b", linewidth=0.9
-    )
+    wall: dict[str, Any] = {"color": "#30343b", "linewidth": 0.9}
+    plan_map(left, plan, wall["color"])
+    right.hlines(np.linspace(grid.top, grid.bottom, grid.down + 1), grid.left, grid.right, **wall)
+    right.vlines(np.linspace(grid.left, grid.right, grid.across + 1), grid.top, grid.bottom, **wall)
 
 
 def _links(seed: int) -> list[tuple[int, ...]]:

@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env import FREE, OCCUPIED, UNKNOWN, Action, World, make_policy, scenario
 from indoor_explorers.env.grid.cells import MOVES, TURN
 from indoor_explorers.env.maps.floorplan import Floorplan
-from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
-from indoor_explorers.evaluation.site.pictures.drawing import MARKED, UAV, cells, svg
+from indoor_explorers.evaluation.site.pictures.drawing import MARKED, UAV, cells, fly_steps, svg
 
 #: Colours of cells that a map shows rightly as unknown, free and occupied, wrongly as occupied, and wrongly as free.
 COLOURS = ("#9aa0a6", "#f4f4f4", "#30343b", "#cd3449", "#f7a8b6")
@@ -58,10 +57,7 @@ def flown(settings: dict[str, Any]) -> Flown:
     """Fly the floor with errors."""
     world = World(scenario(FLOOR).for_evaluation().with_settings(settings))
     world.reset([SEED])
-    policy = make_policy("frontier-nearest")
-    for step, _ in enumerate(rollout(world, ask_pilots(policy, make_pilots(policy, world), world)), 1):
-        if step == STEPS:
-            break
+    fly_steps(world, make_policy("frontier-nearest"), STEPS)
     state = world.state
     shown, truth = state.union[0], state.truth[0]
     codes = np.where((shown == OCCUPIED) & (truth == FREE), FALSE_OBSTACLE, shown)

@@ -39,7 +39,7 @@ MAPS, EPISODES, SIMULATED, DRAWN = 8, (1, 2, 5, 10, 20, 50), 1000, 40
 DRAWN_EPISODES = 10
 #: Curves of a simulated sample, their steps, the mean share of the unknown that a step uncovers, and the samples.
 CURVES, STEPS, UNCOVERED, SAMPLES = 20, 60, 0.05, 400
-#: Mean steps of simulated policies beyond those of A, on this many tasks, and the spread of one policy on one task.
+#: Mean steps of simulated policies more than A, on this many tasks, and the spread of one policy on one task.
 BEHIND, TASKS, SPREAD = {"A": 0.0, "B": 1.2, "C": 2.6, "D": 9.0}, 20, 2.5
 #: Resamples of a simulated interval.
 RESAMPLES = 500
@@ -47,7 +47,7 @@ RESAMPLES = 500
 
 def statistics_pictures() -> dict[str, bytes]:
     """Return the SVG files of the page by name."""
-    drawn = {"never": _never, "maps": _maps, "bands": _bands, "ranks": _ranks}
+    drawn = {"never": _never, "maps": _maps, "ranks": _ranks, "bands": _bands}
     return {f"statistics-{name}.svg": svg(draw) for name, draw in drawn.items()}
 
 

@@ -11,13 +11,14 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter, MaxNLocator, PercentFormatter
+from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from indoor_explorers.env import FREE, UNKNOWN, World, make_policy, scenario
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
 from indoor_explorers.env.simulation.state import End
 from indoor_explorers.evaluation.drawing.formatting import EN_DASH, fixed, percent
 from indoor_explorers.evaluation.drawing.palette import COLOURS
+from indoor_explorers.evaluation.drawing.print_style import percent_axis
 from indoor_explorers.evaluation.site.pictures.drawing import MARKED, UAV, cells, svg
 from indoor_explorers.evaluation.site.pictures.map_marks import legend as map_legend
 from indoor_explorers.evaluation.site.pictures.map_marks import line, mark, uav_at
@@ -128,7 +129,7 @@ def _explored(title: str, curves: Sequence[Curve], *, greedy: bool = False) -> R
             axes.plot(np.arange(len(shares)), shares, **look)
         axes.axhline(0.9, color="#999999", linewidth=0.6, linestyle=(0, (1, 2)))
         axes.set(xlim=(0, BUDGET), ylim=(0, 1.02), xlabel="step", ylabel="explored")
-        axes.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0, symbol=" %"))
+        percent_axis(axes.yaxis)
 
     return Row(title, draw)
 
@@ -182,7 +183,9 @@ def _flight(axes: Any, states: Iterator[World]) -> None:
     state, by_uav = world.state, np.array(paths, np.float64).swapaxes(0, 1)
     seen = (state.union[0] != UNKNOWN) & (state.truth[0] == FREE)
     ends = [End(int(end)) for end in state.end[0]]
-    told = ", ".join(f"{count} {end}" if len(ends) > 1 else end for end, count in Counter(map(_told, ends)).items())
+    ended = ", ".join(
+        f"{count} {end}" if len(ends) > 1 else end for end, count in Counter(map(_end_name, ends)).items()
+    )
     cells(axes, np.where(seen, MARKED, state.truth[0]), "")
     for uav, (path, end) in enumerate(zip(by_uav, ends, strict=True)):
         beside = 0.16 * (uav - (len(ends) - 1) / 2)  # so that equal paths are both visible
@@ -191,11 +194,11 @@ def _flight(axes: Any, states: Iterator[World]) -> None:
         uav_at(axes, tuple(path[0] + beside), color=UAVS[uav], clip_on=False)
         if end in ENDS:
             uav_at(axes, tuple(path[-1] + beside), color=UAVS[uav], clip_on=False, **ENDS[end][1])
-    said = f"{percent(float(world.team_coverage[0]))} in {len(paths) - 1} steps: {told}"
+    said = f"{percent(float(world.team_coverage[0]))} in {len(paths) - 1} steps: {ended}"
     axes.text(0.5, -0.03, said, transform=axes.transAxes, ha="center", va="top")
 
 
-def _told(end: End) -> str:
+def _end_name(end: End) -> str:
     return ENDS[end][0] if end in ENDS else "goal" if end == End.GOAL else "budget"
 
 

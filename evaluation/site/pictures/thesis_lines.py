@@ -1,4 +1,4 @@
-"""Lines that the pictures of the thesis's learner share: those of greedy evaluations, and legends."""
+"""Lines of greedy evaluations, and legends, in the pictures of the thesis's learner."""
 
 from __future__ import annotations
 
@@ -8,12 +8,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter, MaxNLocator, PercentFormatter
+from matplotlib.ticker import FuncFormatter, MaxNLocator
 from numpy.typing import NDArray
 
 from indoor_explorers.evaluation.drawing.formatting import fixed
 from indoor_explorers.evaluation.drawing.palette import COLOURS
-from indoor_explorers.evaluation.site.studies.thesis import Training
+from indoor_explorers.evaluation.drawing.print_style import percent_axis
+from indoor_explorers.evaluation.site.studies.thesis import MeasuredTraining
 
 LABELS = ("as it was", "mended")
 #: Lines of the first and of the second seed.
@@ -26,7 +27,7 @@ GREEDY = {
     "stuck": ("UAVs stuck", COLOURS[4][0]),
 }
 
-Pair = tuple[Training, ...]
+Pair = tuple[MeasuredTraining, ...]
 
 
 class Curve(NamedTuple):
@@ -46,7 +47,7 @@ def draw_greedy(axes: Axes, figures: Callable[[str], NDArray[np.float64]], seed:
     axes.set(xlim=(0, episodes[-1]), ylim=(-0.03, 1.03), xlabel="training episode", ylabel="share")
     axes.xaxis.set_major_locator(MaxNLocator(5, integer=True))
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: fixed(value, 0)))
-    axes.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0, symbol=" %"))
+    percent_axis(axes.yaxis)
 
 
 def curve_legend(curves: Sequence[Curve] = (), *, greedy: bool = False, seeds: bool = False) -> list[Line2D]:

@@ -1,4 +1,4 @@
-"""What recorded paths are like when a quadrotor flies them: errors, touched walls, and the measured table of the page.
+"""Recorded paths flown by a simulated quadrotor: tracking errors, touched walls, and the table of the page.
 
 ``dynamics_pyflyt.py`` flies them and writes the files that are read here; neither the site nor the tests need PyFlyt.
 """
@@ -17,7 +17,7 @@ from indoor_explorers.env import OCCUPIED
 MEASURED, TRACKS = (Path(__file__).parent / f"{name}.csv" for name in ("dynamics", "dynamics_tracks"))
 #: The recorded episodes, that whose tracks are drawn, and how many of its steps.
 SCENARIO, POLICY, SEEDS, DRAWN, DRAWN_STEPS = "small-floors", "frontier", range(4), 3, 45
-#: How they are flown: setpoints that move at so many metres in a second, or None: waypoints that wait for the team.
+#: Speed of the setpoints in metres a second; None: waypoints that wait for the team.
 FLIGHTS: dict[str, float | None] = {"0.5 m/s": 0.5, "1 m/s": 1.0, "2 m/s": 2.0, "waypoints": None}
 #: The flight that stays at the starts.
 HOVER = "hover"

@@ -1,6 +1,6 @@
 """Fly recorded episodes with a quadrotor of PyFlyt, and write ``dynamics.csv`` and ``dynamics_tracks.csv``.
 
-Run by hand, in an environment that has the project and PyFlyt (``pip install -c constraints.txt -e . PyFlyt``)::
+Run manually, in an environment that has the project and PyFlyt (``pip install -c constraints.txt -e . PyFlyt``)::
 
     python -P -m indoor_explorers.evaluation.site.studies.dynamics_pyflyt
 
@@ -116,7 +116,7 @@ class Team:
 
 
 def flown(path: NDArray[np.float64], seconds: float | None, seed: int) -> Flight:
-    """Fly an (S + 1, N, 2) path in metres: setpoints move on in so many seconds a step, or wait for the team."""
+    """Fly an (S + 1, N, 2) path in metres: a step lasts ``seconds``, or None: until the team is there."""
     team = Team(path[0], seed)
     every, joules, periods = round(1 / KEPT / team.period), 0.0, 0
     samples: list[tuple[int, NDArray[np.float64], NDArray[np.float64]]] = []

@@ -1,7 +1,7 @@
 """The radio model ``path-loss`` beside ns-3's propagation inside of buildings, on pairs of cells of generated floors.
 
 ``radio_ns3.py`` asks ns-3 and writes ``radio_ns3.csv``; what the page on it shows is computed from that file, without
-ns-3. Losses are in decibels beyond those of one metre.
+ns-3. Losses are in decibels relative to one metre.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ MEASURED = Path(__file__).parent / "radio_ns3.csv"
 SEEDS, PAIRS, METRES = range(10), 120, (1.0, 40.0)
 #: How far the distance of a pair may be from the one that was drawn, in metres.
 NEAR = 0.25
-#: The exponent and the decibels of a wall: the defaults of ``path-loss``, and those of ns-3 in an office.
+#: The exponent and the decibels of a wall: the defaults of ``path-loss``, and of ns-3 in an office.
 DEFAULTS, OFFICE = (3.0, 6.0), (3.0, 5.0)
 #: The same of other standards: the free space and light or heavy walls of COST 231, and P.1238 without further walls.
 STANDARDS = {

@@ -1,6 +1,6 @@
 """Ask ns-3 for the losses between the pairs of cells of ``radio_comparison.py``, and write ``radio_ns3.csv``.
 
-Run by hand, in an environment that has the project and ns-3 (``pip install -c constraints.txt -e . ns3``)::
+Run manually, in an environment that has the project and ns-3 (``pip install -c constraints.txt -e . ns3``)::
 
     python -P -m indoor_explorers.evaluation.site.studies.radio_ns3
 
@@ -45,7 +45,7 @@ class Buildings:
         self._one_metre = self.in_row_of_rooms(1.0, 0, beyond=0.0)
 
     def build(self, width: float, depth: float, across: int, down: int) -> float:
-        """Add a building of so many metres and rooms; return the x of its corner, whose y is 0."""
+        """Add a building, its size in metres, with equal rooms; return the x of its corner, whose y is 0."""
         ns, left = self._ns, len(self._built) * APART
         building = ns.CreateObject[ns.Building]()
         building.SetBoundaries(ns.Box(left, left + width, 0.0, depth, 0.0, STOREY))

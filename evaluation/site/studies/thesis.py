@@ -1,6 +1,6 @@
-"""The trainings of the thesis's experiments that THESIS.md shows, in short: a row of ``thesis.csv`` for each.
+"""The trainings of the thesis's experiments that THESIS.md shows, summarised: a row of ``thesis.csv`` for each.
 
-Written by hand from folders of ``indoor-explorers thesis``, of which it takes the trainings that are finished::
+Written manually from folders of ``indoor-explorers thesis``, of which it takes the trainings that are finished::
 
     indoor-explorers thesis --episodes 500 --out results/brief
     indoor-explorers thesis --episodes 500 --seed 2 --only 'rewards-*,obstacles-1' --out results/brief-2
@@ -26,9 +26,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env import Action, World, make_policy, scenario
-from indoor_explorers.env.files import written_whole
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
 from indoor_explorers.evaluation.drawing.formatting import THIN_SPACE, fixed, percent
+from indoor_explorers.evaluation.studies.many_trainings import write_rows
 from indoor_explorers.evaluation.studies.thesis.experiments import AS_WAS, EXPERIMENTS, MENDED, ThesisExperiment
 from indoor_explorers.evaluation.studies.thesis.results import WEIGHTS, Run, read_run
 from indoor_explorers.learners.sessions.seeds import evaluation_seeds
@@ -52,7 +52,7 @@ COLUMNS = (
 )
 
 
-class Training(NamedTuple):
+class MeasuredTraining(NamedTuple):
     """A training of the file."""
 
     run: Run
@@ -80,7 +80,7 @@ class Training(NamedTuple):
 
 
 @cache
-def measured() -> tuple[Training, ...]:
+def measured() -> tuple[MeasuredTraining, ...]:
     """Return the trainings of the file, in the thesis's order, by seed and version."""
     by_name = {experiment.name: experiment for experiment in EXPERIMENTS}
     csv.field_size_limit(sys.maxsize)
@@ -88,7 +88,7 @@ def measured() -> tuple[Training, ...]:
         return tuple(_training(by_name[row["experiment"]], row) for row in csv.DictReader(file))
 
 
-def _training(experiment: ThesisExperiment, row: dict[str, str]) -> Training:
+def _training(experiment: ThesisExperiment, row: dict[str, str]) -> MeasuredTraining:
     figures = {name: float(row[name]) for name in (*SCORES, *FIGURES)}
     points = zip(*(numbers(row[f"at_{name}"]) for name in EVALUATED), strict=True)
     record: dict[str, Any] = {
@@ -102,7 +102,7 @@ def _training(experiment: ThesisExperiment, row: dict[str, str]) -> Training:
     run = Run(experiment, row["version"], record, numbers(row["scores"]))
     counted = {name: float(row[name]) for name in COUNTED if row[name]}
     seed = int(row["flown_seed"]) if row["flown_seed"] else None
-    return Training(run, figures, counted, seed, tuple(row["moves"].split()))
+    return MeasuredTraining(run, figures, counted, seed, tuple(row["moves"].split()))
 
 
 def numbers(listed: str) -> NDArray[np.float64]:
@@ -110,7 +110,7 @@ def numbers(listed: str) -> NDArray[np.float64]:
     return np.array(listed.split(), np.float64)
 
 
-def replayed(training: Training) -> Iterator[World]:
+def replayed(training: MeasuredTraining) -> Iterator[World]:
     """Yield the world at the start and after each step of the greedy episode that was kept."""
     assert training.flown_seed is not None
     world = World(scenario(training.run.experiment.scenario))
@@ -136,7 +136,7 @@ def results_table() -> list[str]:
 
 
 @cache
-def pairs() -> tuple[tuple[Training, ...], ...]:
+def pairs() -> tuple[tuple[MeasuredTraining, ...], ...]:
     """Return the trainings of each experiment and seed of which the file has both: as it was, and mended."""
     places = dict.fromkeys((training.run.experiment.name, training.seed) for training in measured())
     found = [tuple(t for t in measured() if (t.run.experiment.name, t.seed) == place) for place in places]
@@ -144,7 +144,7 @@ def pairs() -> tuple[tuple[Training, ...], ...]:
 
 
 def rows(folders: Sequence[Path]) -> Iterator[dict[str, Any]]:
-    """Yield the rows of the file: those of the finished trainings of some folders, the first of equal ones."""
+    """Yield the rows of the file: the finished trainings of some folders, the first of equal ones."""
     written = set()
     for experiment in EXPERIMENTS:
         for folder in folders:
@@ -210,10 +210,7 @@ def main(folders: Sequence[str], out: Path = MEASURED) -> None:
     found = list(rows([Path(folder) for folder in folders]))
     if not found:
         raise SystemExit(f"no finished trainings in {folders}; expected folders of indoor-explorers thesis")
-    with written_whole(out) as partial, partial.open("w", newline="", encoding="utf-8") as file:
-        table = csv.DictWriter(file, COLUMNS, restval="", lineterminator="\n")
-        table.writeheader()
-        table.writerows(found)
+    write_rows(out, COLUMNS, found)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """The thesis's learner with two changes, apart and together: a row of ``thesis_changes.csv`` for each training.
 
-Written by hand from folders of ``indoor-explorers thesis --only rewards-1-stuck-2 --episodes 1000``, with ``--seed``,
+Written manually from folders of ``indoor-explorers thesis --only rewards-1-stuck-2 --episodes 1000``, with ``--seed``,
 ``--versions`` and ``--set`` as THESIS.md tells::
 
     python -P -m indoor_explorers.evaluation.site.studies.thesis_changes results/both-1 results/both-2 ...
@@ -20,9 +20,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.files import written_whole
 from indoor_explorers.evaluation.drawing.formatting import percent
 from indoor_explorers.evaluation.site.studies.thesis import EVALUATED, VERSIONS, numbers, text
+from indoor_explorers.evaluation.studies.many_trainings import write_rows
 from indoor_explorers.evaluation.studies.thesis.experiments import EXPERIMENTS
 from indoor_explorers.evaluation.studies.thesis.results import Run, read_run
 from indoor_explorers.learners.thesis.config import TrainingConfig
@@ -73,7 +73,7 @@ def results_table() -> list[str]:
 
 
 def rows(folders: Sequence[Path]) -> Iterator[dict[str, Any]]:
-    """Yield the rows of the file: those of the finished trainings of some folders, as it was first."""
+    """Yield the rows of the file: the finished trainings of some folders, the unchanged version first."""
     found = []
     for folder in folders:
         for version in VERSIONS:
@@ -96,10 +96,7 @@ def _changes(run: Run) -> tuple[str, ...]:
 
 def main(folders: Sequence[str], out: Path = MEASURED) -> None:
     """Write the file."""
-    with written_whole(out) as partial, partial.open("w", newline="", encoding="utf-8") as file:
-        table = csv.DictWriter(file, COLUMNS, restval="", lineterminator="\n")
-        table.writeheader()
-        table.writerows(rows([Path(folder) for folder in folders]))
+    write_rows(out, COLUMNS, rows([Path(folder) for folder in folders]))
 
 
 if __name__ == "__main__":

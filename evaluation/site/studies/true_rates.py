@@ -1,4 +1,4 @@
-"""How often a comparison says what is not so, and what is: rates of simulated comparisons.
+"""False and true positive rates of the statements of a comparison, from simulated comparisons.
 
     python -P -m indoor_explorers.evaluation.site.studies.true_rates
 
@@ -43,8 +43,8 @@ class Sample(NamedTuple):
     """(E, K)."""
 
 
-class World(NamedTuple):
-    """What is simulated: times are the length of a task, which varies, times what a policy makes of it."""
+class SimulatedPolicies(NamedTuple):
+    """Policies whose times are the random length of a task, multiplied by a random factor of each policy."""
 
     ratios: Sequence[float]
     """(K,) mean of each policy, as a share of :data:`MEAN`."""
@@ -90,9 +90,9 @@ def as_good(sample: Sample) -> NDArray[np.bool_]:
 
 
 class Case(NamedTuple):
-    """A row of the table: what is looked for, and where."""
+    """A row of the table: a statement, and the world that is simulated."""
 
-    world: World
+    world: SimulatedPolicies
     said: Callable[[Sample], NDArray[np.bool_]]
     by_first: bool = False
     """Whether only what is said about the first policy counts."""
@@ -108,28 +108,28 @@ class Case(NamedTuple):
 ONE = (1.0,) * 7
 APART = (1.0, *[1 + MARGIN] * 6)
 MIXED = (1.0, *3 * [1 + MARGIN], *3 * [1 / (1 + MARGIN)])
-#: What should be said in at most 5 % of comparisons.
+#: False statements, which at most 5 % of comparisons should make.
 FALSE = {
-    "2 equal policies: one is better": Case(World(ONE[:2]), better),
-    "7 equal policies: any is better": Case(World(ONE), better),
-    "the same, all fail in 2 %": Case(World(ONE, [0.02]), better),
-    "the same, all fail in 5 %": Case(World(ONE, [0.05]), better),
-    "the same, one fails in 2 %: it is better": Case(World(ONE, [0.02] + 6 * [0.0]), better, by_first=True),
-    "the same, one fails in 5 %: it is better": Case(World(ONE, [0.05] + 6 * [0.0]), better, by_first=True),
-    "the same, one fails in 5 %: any is faster": Case(World(ONE, [0.05] + 6 * [0.0]), faster),
-    "2 with equal means, one 20 % slower on the first building": Case(World(ONE[:2], large=0.2), better),
-    "2 with equal means, the times of one skewed": Case(World(ONE[:2], skewed=True), better),
-    "2, one 5 % slower: as good within 5 %": Case(World(APART[:2], noise=0.02), as_good),
-    "6, all 5 % slower than one: any as good as it": Case(World(APART, noise=0.02), as_good),
-    "3 are 5 % slower, 3 faster: any as good as it": Case(World(MIXED, noise=0.02), as_good),
-    "the same, all fail in 5 %: any as good as it": Case(World(MIXED, [0.05], noise=0.02), as_good),
+    "2 equal policies: one is better": Case(SimulatedPolicies(ONE[:2]), better),
+    "7 equal policies: any is better": Case(SimulatedPolicies(ONE), better),
+    "the same, all fail in 2 %": Case(SimulatedPolicies(ONE, [0.02]), better),
+    "the same, all fail in 5 %": Case(SimulatedPolicies(ONE, [0.05]), better),
+    "the same, one fails in 2 %: it is better": Case(SimulatedPolicies(ONE, [0.02] + 6 * [0.0]), better, by_first=True),
+    "the same, one fails in 5 %: it is better": Case(SimulatedPolicies(ONE, [0.05] + 6 * [0.0]), better, by_first=True),
+    "the same, one fails in 5 %: any is faster": Case(SimulatedPolicies(ONE, [0.05] + 6 * [0.0]), faster),
+    "2 with equal means, one 20 % slower on the first building": Case(SimulatedPolicies(ONE[:2], large=0.2), better),
+    "2 with equal means, the times of one skewed": Case(SimulatedPolicies(ONE[:2], skewed=True), better),
+    "2, one 5 % slower: as good within 5 %": Case(SimulatedPolicies(APART[:2], noise=0.02), as_good),
+    "6, all 5 % slower than one: any as good as it": Case(SimulatedPolicies(APART, noise=0.02), as_good),
+    "3 are 5 % slower, 3 faster: any as good as it": Case(SimulatedPolicies(MIXED, noise=0.02), as_good),
+    "the same, all fail in 5 %: any as good as it": Case(SimulatedPolicies(MIXED, [0.05], noise=0.02), as_good),
 }
-#: What is so, or cannot be known.
+#: True statements, and one that cannot be decided.
 TRUE = {
-    "2, one 10 % slower: it is worse": Case(World([1, 1.1]), better, by_first=True),
-    "2, equal, noise 4 %: as good within 5 %": Case(World(ONE[:2], noise=0.04), as_good),
+    "2, one 10 % slower: it is worse": Case(SimulatedPolicies([1, 1.1]), better, by_first=True),
+    "2, equal, noise 4 %: as good within 5 %": Case(SimulatedPolicies(ONE[:2], noise=0.04), as_good),
     "equal restricted means, one fails in 2 %: it is faster where both finish": Case(
-        World([QUICK, 1], [0.02, 0.0]), better, by_first=True
+        SimulatedPolicies([QUICK, 1], [0.02, 0.0]), better, by_first=True
     ),
 }
 

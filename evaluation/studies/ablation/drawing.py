@@ -11,11 +11,20 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, NullLocator
 from numpy.typing import NDArray
 
+from indoor_explorers.evaluation.drawing.formatting import span
 from indoor_explorers.evaluation.drawing.palette import COLOURS, PolicyStyle, policy_styles
-from indoor_explorers.evaluation.drawing.print_style import plain, print_style, save, sheet, strokes
+from indoor_explorers.evaluation.drawing.print_style import (
+    grid_below,
+    legend_beside,
+    plain,
+    print_style,
+    save,
+    sheet,
+    strokes,
+)
 from indoor_explorers.evaluation.studies.ablation.scoring import VariantScore
 
-#: Number of learning curves besides the full one's: those of the variants that differ most.
+#: Number of learning curves besides the full variant's; the variants that differ most are drawn.
 CURVES = 4
 #: An axis is linear up to NEAR steps, and logarithmic beyond if a difference is larger than FAR x NEAR.
 NEAR, FAR = 10.0, 8.0
@@ -56,8 +65,7 @@ def ablation_figure(found: Sequence[VariantScore], scenario: str) -> Figure:
 
 
 def _made_of(found: Sequence[VariantScore]) -> str:
-    counts = sorted({len(variant.seeds) for variant in found})
-    seeds = f"{counts[0]}" if len(counts) == 1 else f"{counts[0]} to {counts[-1]}"
+    seeds = span(len(variant.seeds) for variant in found)
     maps = found[0].times["t99"].shape[1]
     return f"Means over {seeds} trainings, a dot each, on {maps} unseen maps; 95 % intervals over both."
 
@@ -91,8 +99,7 @@ def _differences(axes: Axes, ranked: Sequence[VariantScore], full: VariantScore,
             axes.plot([estimate.low, estimate.high], [place, place], color=colour, linewidth=1.5, zorder=3)
         axes.plot([estimate.mean], [place], color=colour, marker="D", markersize=4.2, zorder=4)
     axes.set_ylim(len(ranked) - 0.4, -0.6)
-    axes.grid(color="#e8e8e8", linewidth=0.6)
-    axes.set_axisbelow(True)
+    grid_below(axes)
     axes.tick_params(axis="y", length=0)
 
 
@@ -136,9 +143,8 @@ def _learning(axes: Axes, shown: Sequence[VariantScore]) -> None:
     low, high = axes.get_ylim()
     ticks = [tick for tick in (10, 20, 30, 40, 50, 60, 80, 100, 150, 200, 300, 400, 600, 1000) if low <= tick <= high]
     axes.set_yticks(ticks)
-    axes.grid(color="#e8e8e8", linewidth=0.6)
-    axes.set_axisbelow(True)
-    axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0)
+    grid_below(axes)
+    legend_beside(axes, 1.01)
     _note(axes, "Lines: means of the trainings; bands: from the best to the worst of them.")
 
 

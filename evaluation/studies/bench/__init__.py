@@ -7,8 +7,7 @@ different days.
 from __future__ import annotations
 
 from indoor_explorers.evaluation.studies.bench.drawing import write_growth
-from indoor_explorers.evaluation.studies.bench.figure import Benchmark, Figure, write_json
+from indoor_explorers.evaluation.studies.bench.figure import Benchmark, Figure, measured, write_json
 from indoor_explorers.evaluation.studies.bench.suite import chosen, measures
-from indoor_explorers.evaluation.studies.bench.table import measured
 
 __all__ = ["Benchmark", "Figure", "chosen", "measured", "measures", "write_growth", "write_json"]

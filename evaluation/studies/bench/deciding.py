@@ -105,19 +105,15 @@ def decisions(policy: str, side: int, lidar_range: float, team: int, steps: int,
 
 
 def figures() -> dict[str, Callable[[], float]]:
-    """Return a function that measures each figure, by name; those of a policy and map share their episodes."""
+    """Return a function that measures each figure, by name; figures of one policy and map share their episodes."""
     found: dict[str, Callable[[], float]] = {}
     for side, cells, team, steps, flights in ((16, 3.0, 2, 200, 5), (250, 10.0, 2, 200, 5), (250, 10.0, 4, 400, 2)):
         for policy in policy_entry_points():
             take = partial(decisions, policy, side, cells, team, steps, flights)
             name = f"decide-{policy}-{side}x{side}" + (f"-team{team}" if team > 2 else "")
             for tail, of in (("", Decisions.median), ("-p99", Decisions.slowest), ("-planning", Decisions.planning)):
-                found[name + tail] = partial(_figure, of, take)
+                found[name + tail] = partial(lambda of, take: of(take()), of, take)
     return found
-
-
-def _figure(of: Callable[[Decisions], float], take: Callable[[], Decisions]) -> float:
-    return of(take())
 
 
 @cache

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,10 +13,9 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FuncFormatter, NullFormatter, NullLocator
 
-from indoor_explorers.env import InputError
-from indoor_explorers.env.files import written_whole
+from indoor_explorers.env.files import writable
 from indoor_explorers.evaluation.drawing.palette import COLOURS
-from indoor_explorers.evaluation.drawing.print_style import FORMATS, print_style
+from indoor_explorers.evaluation.drawing.print_style import print_style, save_in_own_size
 from indoor_explorers.evaluation.studies.bench.deciding import SIDES, TEAM_SIDE, TEAMS
 from indoor_explorers.evaluation.studies.bench.figure import Figure
 from indoor_explorers.evaluation.studies.bench.growth import SERIES, GrowthSeries
@@ -28,18 +27,10 @@ ROOM = 2.5
 def write_growth(measured: Iterable[Figure], folder: Path) -> list[Path]:
     """Draw the figures named ``growth-...`` into ``folder`` as SVG and PNG; return the paths."""
     values = {figure.name: figure.value for figure in measured}
-    paths = []
-    try:
+    with writable(folder, "--figures"), print_style():
         folder.mkdir(parents=True, exist_ok=True)
-        with print_style():
-            for name, picture in (("growth", growth_figure(values)), ("decisions", decisions_figure(values))):
-                for ending in ("svg", "png"):
-                    paths.append(folder / f"{name}.{ending}")
-                    with written_whole(paths[-1]) as partial:
-                        picture.savefig(partial, format=ending, **FORMATS[ending])
-    except OSError as error:
-        raise InputError(f"{folder}: cannot be written: {error.strerror}; choose another --figures") from error
-    return paths
+        pictures = {"growth": growth_figure(values), "decisions": decisions_figure(values)}
+        return [path for name, picture in pictures.items() for path in save_in_own_size(picture, folder, name)]
 
 
 def growth_figure(values: dict[str, float]) -> Picture:
@@ -61,13 +52,7 @@ def growth_figure(values: dict[str, float]) -> Picture:
 
 def _panel(axes: Axes, series: GrowthSeries, points: list[tuple[int, float]], colour: str) -> None:
     """Draw one series with the value at each point."""
-    axes.set(xscale="log", yscale="log", xlabel=series.quantity)
-    axes.set_title(series.rest, fontsize=8.5, fontweight="normal", color="#444444")
-    axes.set_xticks(series.sizes, [f"{size}" for size in series.sizes])
-    axes.xaxis.set_minor_locator(NullLocator())
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: short(value)))
-    axes.yaxis.set_minor_formatter(NullFormatter())
-    axes.grid(axis="y", color="#e3e3e3", linewidth=0.6)
+    _set_up(axes, series.quantity, series.rest, series.sizes, short)
     axes.set_axisbelow(True)
     if points:
         axes.plot(*zip(*points, strict=True), color=colour, marker="o", markersize=4.2, linewidth=1.4)
@@ -75,6 +60,17 @@ def _panel(axes: Axes, series: GrowthSeries, points: list[tuple[int, float]], co
     look: dict[str, Any] = {"ha": "center", "fontsize": 7, "color": "#444444", "path_effects": halo}
     for size, value in points:
         axes.annotate(short(value, 2), (size, value), (0, 7), textcoords="offset points", **look)
+
+
+def _set_up(axes: Axes, quantity: str, rest: str, sizes: Sequence[int], text_of: Callable[[float], str]) -> None:
+    """Give axes logarithmic scales, a tick for each size, and a title of what stays the same."""
+    axes.set(xscale="log", yscale="log", xlabel=quantity)
+    axes.set_title(rest, fontsize=8.5, fontweight="normal", color="#444444")
+    axes.set_xticks(sizes, [f"{size}" for size in sizes])
+    axes.xaxis.set_minor_locator(NullLocator())
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: text_of(value)))
+    axes.yaxis.set_minor_formatter(NullFormatter())
+    axes.grid(axis="y", color="#e3e3e3", linewidth=0.6)
 
 
 def decisions_figure(values: dict[str, float]) -> Picture:
@@ -95,13 +91,7 @@ def decisions_figure(values: dict[str, float]) -> Picture:
 
 def _lines(axes: Axes, quantity: str, rest: str, starts: dict[int, str], values: dict[str, float]) -> None:
     """Draw one line for each policy; ``starts`` are the beginnings of the figures' names, by size."""
-    axes.set(xscale="log", yscale="log", xlabel=quantity)
-    axes.set_title(rest, fontsize=8.5, fontweight="normal", color="#444444")
-    axes.set_xticks(list(starts), [f"{size}" for size in starts])
-    axes.xaxis.set_minor_locator(NullLocator())
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: human_time(value)))
-    axes.yaxis.set_minor_formatter(NullFormatter())
-    axes.grid(axis="y", color="#e3e3e3", linewidth=0.6)
+    _set_up(axes, quantity, rest, list(starts), human_time)
     policies = dict.fromkeys(
         name[len(start) :] for start in starts.values() for name in values if name.startswith(start)
     )

@@ -13,7 +13,8 @@ from typing import NamedTuple
 from indoor_explorers.env.scenarios.parts import Radio
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.evaluation.studies.bench.exploring import exploring_moves
-from indoor_explorers.evaluation.studies.bench.worlds import WORLDS, cores, square, world_speed
+from indoor_explorers.evaluation.studies.bench.figure import cores
+from indoor_explorers.evaluation.studies.bench.worlds import WORLDS, square, world_speed
 
 #: Steps of a repetition.
 STEPS = 100

@@ -16,22 +16,20 @@ from indoor_explorers.evaluation.harness.engines.workload import JOB_EPISODES
 from indoor_explorers.evaluation.studies.bench import (
     ancestor,
     deciding,
-    decisions,
     exploring,
     growth,
+    harness,
     interfaces,
-    isolation,
-    starts,
     worlds,
 )
-from indoor_explorers.evaluation.studies.bench.figure import Benchmark
+from indoor_explorers.evaluation.studies.bench.figure import Benchmark, cores
 from indoor_explorers.evaluation.studies.bench.worlds import STEPS, WORLDS
 
 SPEED = "agent-steps/s"
 
 
 def measures(*, everything: bool = False, growing: bool = False) -> list[Benchmark]:
-    """Return the benchmarks; ``growing`` adds those of growth, ``everything`` also those that take minutes."""
+    """Return the benchmarks; ``growing`` adds growth, ``everything`` also the ones that take minutes."""
     found = [*_world(), *_memory(), *_starts(), *_interfaces(), *_lidar(), *_decisions(), *_harness(everything)]
     if growing or everything:
         found += [Benchmark("Growth", name, SPEED, take) for name, take in growth.growth().items()]
@@ -68,7 +66,7 @@ def _variants(name: str) -> Iterator[tuple[str, Callable[[], float]]]:
     task, batch = WORLDS[name]
     recorded = cache(partial(exploring.exploring_moves, task, batch, STEPS))
     for kind, moves in (("", lambda: None), ("-exploring", recorded)):
-        for tail, threads in (("", worlds.cores()), ("-core", 1)):
+        for tail, threads in (("", cores()), ("-core", 1)):
             yield name + kind + tail, partial(_speed, task, batch, threads, moves)
 
 
@@ -82,8 +80,8 @@ def _memory() -> Iterator[Benchmark]:
 
 
 def _starts() -> Iterator[Benchmark]:
-    yield Benchmark("Starts", "first-compile", "s", starts.first_compile)
-    yield Benchmark("Starts", "first-step", "s", starts.first_step)
+    yield Benchmark("Starts", "first-compile", "s", harness.first_compile)
+    yield Benchmark("Starts", "first-step", "s", harness.first_step)
     for side, (task, _) in ((16, WORLDS["world-16x16-lidar3-team1"]), (250, WORLDS["world-250x250-lidar35-team2"])):
         yield Benchmark("Starts", f"reset-{side}x{side}", "us", partial(worlds.reset_time, task))
 
@@ -107,16 +105,16 @@ def _decisions() -> Iterator[Benchmark]:
 
 def _harness(everything: bool) -> Iterator[Benchmark]:
     for policy in policy_entry_points():
-        yield Benchmark("Harness", f"harness-overhead-{policy}", "%", partial(decisions.overhead, policy))
+        yield Benchmark("Harness", f"harness-overhead-{policy}", "%", partial(harness.overhead, policy))
     for tail, pace, episodes in (("", 0.0, JOB_EPISODES), *([("-1ms", 1e-3, JOB_EPISODES // 5)] if everything else [])):
         for team, preset in ((1, "thesis-obstacles"), (4, "thesis-team-4")):
-            take = partial(isolation.isolation_time, preset, pace, episodes)
+            take = partial(harness.isolation_time, preset, pace, episodes)
             yield Benchmark("Harness", f"isolation-16x16-team{team}{tail}", "us", take)
     for episodes in (1000, 10_000) if everything else (1000,):
-        take = partial(decisions.comparison_time, episodes)
+        take = partial(harness.comparison_time, episodes)
         yield Benchmark("Harness", f"harness-{episodes}-episodes", "s", take)
     if everything and importlib.util.find_spec("torch"):
         for preset, name in (("thesis-open-quick", ""), ("thesis-open-map", "-map-alone")):
-            seconds, t90 = (partial(decisions.trained, part, preset, 10_000) for part in ("seconds", "t90"))
+            seconds, t90 = (partial(harness.trained, part, preset, 10_000) for part in ("seconds", "t90"))
             yield Benchmark("Harness", f"train-10000-episodes{name}", "s", seconds)
             yield Benchmark("Harness", f"train-10000-episodes{name}-t90", "steps", t90)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import time
 from collections.abc import Iterator
 from itertools import count
@@ -50,11 +49,6 @@ ERRORS = {"noise.misses": 0.05, "noise.false_returns": 0.001, "noise.range_std":
 UNCERTAIN = {
     f"{name}-errors-core": (task.with_settings(ERRORS), batch // 8) for name, (task, batch) in list(WORLDS.items())[:3]
 }
-
-
-def cores() -> int:
-    """Return the number of cores."""
-    return os.cpu_count() or 1
 
 
 def random_moves(batch: int, team: int, steps: int = 64) -> NDArray[np.int64]:
@@ -114,7 +108,7 @@ def next_episodes(world: World, seeds: Iterator[int]) -> bool:
 
 
 def memory(task: Scenario) -> float:
-    """Return the bytes of one episode of a batch: those of all arrays of the state."""
+    """Return the bytes of one episode of a batch, over all arrays of the state."""
     world = World(task, 2)
     world.reset([0, 1])
     return sum(array.nbytes for array in world.state) / world.batch

@@ -1,1 +1,1 @@
-"""Leaderboards: one table for each scenario of a suite, made of result folders whose episodes are simulated again."""
+"""Leaderboards: one table for each scenario of a suite, from result folders whose episodes are simulated again."""

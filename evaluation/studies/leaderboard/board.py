@@ -43,8 +43,8 @@ class Origin:
         runs = results.runs
         return cls(
             *(
-                tuple(dict.fromkeys(told))
-                for told in (
+                tuple(dict.fromkeys(values))
+                for values in (
                     [str(run.get("commit", "unknown"))[:7] for run in runs],
                     [str(run.get("started", "unknown"))[:10] for run in runs],
                     [f"{run.get('processor', 'unknown')}, {run.get('cores', '?')} cores" for run in runs],
@@ -73,7 +73,7 @@ class Board:
     title: str
     """Suite, version and part; or the scenarios and seeds."""
     about: str
-    """What the tasks are; empty where no suite tells."""
+    """Description of the tasks; empty without a suite."""
     results: Results
     origins: Mapping[tuple[str, str], Origin]
     """By scenario and policy."""
@@ -133,7 +133,7 @@ def boards(parts: Sequence[Part], fly: int = 0) -> list[Board]:
 
 
 def _refuse_one_title(one: Part, other: Part) -> None:
-    """Refuse different tasks that would stand under one title."""
+    """Refuse different tasks under one title."""
     (folder, ours), (another, theirs) = one, other
     for name in (name for name in ours.scenarios if name in theirs.scenarios):
         difference = scenario_difference(ours, theirs, name)
@@ -172,11 +172,11 @@ def _board(group: Sequence[Part], fly: int) -> Board:
         for folder, results in (group if fly else ())
         for name, why in unmade_policies(results).items()
     ]
-    return Board(*_told(group[0][1]), combined(kept), origins, (*unknown, *incomplete, *unflown), fly)
+    return Board(*_title_and_description(group[0][1]), combined(kept), origins, (*unknown, *incomplete, *unflown), fly)
 
 
 def _task_counts(group: Sequence[Part]) -> dict[str, int]:
-    """Return how many tasks each scenario has: those of its suite, or the tasks flown by any policy."""
+    """Return how many tasks each scenario has: the tasks of its suite, or all tasks flown by any policy."""
     run, names = group[0][1].suite_run, {name for _, results in group for name in results.scenarios}
     if run is not None:
         return dict.fromkeys(names, run.total // len(run.suite.scenarios()))
@@ -184,7 +184,7 @@ def _task_counts(group: Sequence[Part]) -> dict[str, int]:
     return {name: len(tasks) for name, tasks in flown.items()}
 
 
-def _told(results: Results) -> tuple[str, str]:
+def _title_and_description(results: Results) -> tuple[str, str]:
     """Return title and description of what was flown."""
     run = results.suite_run
     if run is not None:

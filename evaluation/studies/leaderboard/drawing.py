@@ -21,7 +21,7 @@ from indoor_explorers.evaluation.exports.markdown import escaped, line
 from indoor_explorers.evaluation.statistics import CONFIDENCE
 from indoor_explorers.evaluation.studies.leaderboard.board import Board, BoardRow
 
-#: What the columns mean, and what nobody has tested, below the tables.
+#: The meaning of the columns, and the limits of the verification, below the tables.
 LEGEND = (
     "Rank: 1 + the number of policies that are significantly better at the last threshold (sign-flip test of all pairs "
     f"at once where both finish, p at most {1 - CONFIDENCE:.2f}, the maps of a building flipped together; who finishes "

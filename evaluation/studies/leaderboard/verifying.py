@@ -1,6 +1,6 @@
-"""Whether stored episodes are what the world makes of their maps, seeds and actions, and the policy of its views.
+"""Verification of stored episodes: the world reproduces them from map, seed and actions, the policy its actions.
 
-Nothing that the results name from outside this package is imported but what the user named.
+Code from outside this package that the results name is imported only if the user named it too.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from indoor_explorers.evaluation.harness.results.results import Results
 TASKS_EACH = 20
 #: Facts that a policy says of itself and that decide how it is marked.
 FLAGS = ("uses_generator", "batched")
-#: Facts that change the hash of a policy and may have changed since in one that is the same.
+#: Facts that enter the hash of a policy; the hash is compared only where they are equal.
 HASHED = ("parameters", "weights_for")
 
 

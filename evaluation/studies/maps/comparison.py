@@ -1,21 +1,60 @@
-"""How far the maps of one set are from those of another, statistic by statistic."""
+"""Distances between two sets of maps, statistic by statistic: of the maps, and of a flight on each."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from rich import box
+from rich.table import Table
 from scipy import stats
 
-from indoor_explorers.env import Scenario
+from indoor_explorers.env import Scenario, World, make_policy
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.maps.statistics import STATISTICS, Statistic, map_statistics
+from indoor_explorers.env.search.bfs import distance_field
+from indoor_explorers.env.simulation.rollout import Uav, ask_pilots, make_pilots, rollout
 from indoor_explorers.env.simulation.spawns import draw_floorplan
-from indoor_explorers.evaluation.studies.maps.pockets import fly
+from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters
+from indoor_explorers.planners.toolbox.pockets.labels import true_pockets
 
-#: The statistics of a map, and those of a flight in it.
+#: The policy that flies, and steps from one sample of its frontiers to the next.
+POLICY, EVERY = "frontier-nearest", 25
+
+
+class Frontiers(NamedTuple):
+    """Frontier statistics sampled during one flight."""
+
+    pockets: NDArray[np.float64]
+    """(K,) unknown free cells behind each frontier cluster of each sample, see
+    :func:`~indoor_explorers.planners.toolbox.pockets.labels.true_pockets`."""
+    clusters: NDArray[np.float64]
+    """(L,) number of frontier clusters of each sample."""
+
+
+def sampled_frontiers(plan: Floorplan, scenario: Scenario, seed: int) -> Frontiers:
+    """Explore a map with one UAV and the scenario's lidar; sample its frontiers every :data:`EVERY` steps."""
+    world = World(scenario.with_settings({"team": 1, "spawn": "random", "budget": None}).for_evaluation())
+    world.begin(0, seed, floorplan=plan)
+    policy = make_policy(POLICY)
+    asks = ask_pilots(policy, make_pilots(policy, world), world)
+    looks: list[NDArray[np.float64]] = []
+
+    def sample_and_ask(flying: list[Uav]) -> Iterable[tuple[Uav, int]]:
+        view = world.view(0, 0)
+        if view.step % EVERY == 0:
+            clusters = frontier_clusters(view.belief, scenario.lidar.range)
+            looks.append(true_pockets(view.belief, plan.truth, distance_field(view.belief, view.cell), clusters).sizes)
+        return asks(flying)
+
+    for _ in rollout(world, sample_and_ask):
+        pass
+    return Frontiers(np.concatenate([np.zeros(0), *looks]), np.array([float(len(look)) for look in looks]))
+
+
+#: The statistics of a map, and of a flight in it.
 COMPARED = (
     *STATISTICS,
     Statistic("pocket", "unknown free cells behind a frontier cluster", True),
@@ -58,7 +97,7 @@ class MapSet(NamedTuple):
 
 
 def maps_of(scenario: Scenario, count: int, seed: int) -> list[Floorplan]:
-    """Return all maps of map files, else those of ``count`` seeds from ``seed`` on."""
+    """Return all maps of map files, or the generated maps of ``count`` seeds from ``seed`` on."""
     seeds = range(seed, seed + count) if scenario.map.generated else (seed,)
     return [draw_floorplan(scenario, each, index) for each in seeds for index in range(scenario.map.count)]
 
@@ -67,7 +106,7 @@ def measured(name: str, plans: Sequence[Floorplan], scenario: Scenario, seed: in
     """Return the statistics of some maps, each flown once with the scenario's lidar from a start of its seed."""
     found: dict[str, list[NDArray[np.float64]]] = {kind.name: [] for kind in COMPARED}
     for number, plan in enumerate(plans):
-        flight = fly(plan, scenario, seed + number)
+        flight = sampled_frontiers(plan, scenario, seed + number)
         values = map_statistics(plan.main_part)
         values["pocket"], values["clusters"] = flight.pockets, flight.clusters
         for kind in COMPARED:
@@ -99,3 +138,37 @@ def distances(given: MapSet, other: MapSet) -> Iterator[tuple[Statistic, float]]
     for kind in COMPARED:
         if kind.name in given.samples and kind.name in other.samples:
             yield kind, distance(given.samples[kind.name], other.samples[kind.name])
+
+
+#: The quantiles that are shown of the given maps.
+SHOWN = (0.1, 0.5, 0.9)
+
+
+def comparison_table(given: MapSet, others: Sequence[MapSet]) -> Table:
+    """Return a line for each statistic: its values on the given maps, and how far each of the other sets is away."""
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    table.add_column("statistic", no_wrap=True)
+    table.add_column(f"{given.title}: 10, 50, 90 %", justify="right", no_wrap=True)
+    for other in others:
+        table.add_column(other.title, justify="right")
+    found = [{kind.name: far for kind, far in distances(given, other)} for other in others]
+    for kind in COMPARED:
+        values = _values(kind, given.samples.get(kind.name))
+        table.add_row(kind.name, values, *(_figure(far.get(kind.name)) for far in found))
+    table.add_row("mean", "", *(_figure(float(np.mean(list(far.values()))) if far else None) for far in found))
+    return table
+
+
+def _values(kind: Statistic, sample: Sample | None) -> str:
+    if sample is None:
+        return ""
+    shown = sample.quantiles(SHOWN)
+    return ", ".join(f"{value:.0f}" if kind.logarithmic else f"{value:.2f}" for value in _unscaled(kind, shown))
+
+
+def _unscaled(kind: Statistic, values: np.ndarray) -> list[float]:
+    return [float(value) for value in (np.exp(values) if kind.logarithmic else values)]
+
+
+def _figure(value: float | None) -> str:
+    return "" if value is None else f"{value:.2f}"

@@ -10,11 +10,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
-from indoor_explorers.env import InputError
-from indoor_explorers.env.files import written_whole
+from indoor_explorers.env.files import writable
 from indoor_explorers.env.maps.statistics import Statistic
 from indoor_explorers.evaluation.drawing.palette import COLOURS, DASHES
-from indoor_explorers.evaluation.drawing.print_style import FORMATS, plain, print_style, sheet
+from indoor_explorers.evaluation.drawing.print_style import plain, print_style, save_in_own_size, sheet
 from indoor_explorers.evaluation.studies.maps.comparison import COMPARED, MapSet
 
 #: Panels side by side.
@@ -25,22 +24,9 @@ POINTS = np.linspace(0.0, 1.0, 101)
 
 def write_comparison(given: MapSet, others: Sequence[MapSet], folder: Path) -> list[Path]:
     """Draw the share of values below each value, for the given maps and the others, and return the figure's paths."""
-    try:
+    with writable(folder, "--figures"), print_style():
         folder.mkdir(parents=True, exist_ok=True)
-        with print_style():
-            return _saved(comparison_figure(given, others), folder)
-    except OSError as error:
-        raise InputError(f"{folder}: cannot be written: {error.strerror}; choose another --figures") from error
-
-
-def _saved(figure: Figure, folder: Path) -> list[Path]:
-    """Write a figure as SVG and PNG and return the paths."""
-    paths = [folder / f"maps.{ending}" for ending in ("svg", "png")]
-    for path in paths:
-        ending = path.suffix[1:]
-        with written_whole(path) as partial:
-            figure.savefig(partial, format=ending, **FORMATS[ending])
-    return paths
+        return save_in_own_size(comparison_figure(given, others), folder, "maps")
 
 
 def comparison_figure(given: MapSet, others: Sequence[MapSet]) -> Figure:

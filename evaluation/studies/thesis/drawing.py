@@ -8,14 +8,19 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, MaxNLocator, PercentFormatter
+from matplotlib.ticker import FuncFormatter, MaxNLocator
 from numpy.typing import NDArray
 
-from indoor_explorers.env.files import written_whole
 from indoor_explorers.evaluation.drawing.palette import COLOURS, DASHES, MARKERS
-from indoor_explorers.evaluation.drawing.print_style import FORMATS, print_style
+from indoor_explorers.evaluation.drawing.print_style import (
+    grid_below,
+    legend_beside,
+    percent_axis,
+    print_style,
+    save_in_own_size,
+    sheet,
+)
 from indoor_explorers.evaluation.studies.thesis.experiments import GROUPS
 from indoor_explorers.evaluation.studies.thesis.results import Run
 
@@ -32,14 +37,8 @@ _HUES = (1, 0, 2, 3, 4, 5, 6)
 def write_figures(runs: Sequence[Run], folder: Path) -> list[Path]:
     """Write all figures as SVG and PNG and return their paths."""
     folder.mkdir(parents=True, exist_ok=True)
-    paths = []
     with print_style():
-        for stem, figure in figures(runs):
-            for ending in ("svg", "png"):
-                paths.append(folder / f"{stem}.{ending}")
-                with written_whole(paths[-1]) as partial:
-                    figure.savefig(partial, format=ending, **FORMATS[ending])
-    return paths
+        return [path for stem, figure in figures(runs) for path in save_in_own_size(figure, folder, stem)]
 
 
 def figures(runs: Sequence[Run]) -> Iterator[tuple[str, Figure]]:
@@ -50,10 +49,7 @@ def figures(runs: Sequence[Run]) -> Iterator[tuple[str, Figure]]:
         if own:
             yield f"{group}-scores", grid_figure(own, "Score of each training episode", _scores, "score")
             yield f"{group}-coverage", coverage_figure(own)
-            yield (
-                f"{group}-greedy",
-                grid_figure(own, "Greedy evaluation, apart from training", _reached, "share"),
-            )
+            yield f"{group}-greedy", grid_figure(own, "Greedy evaluation, apart from training", _reached, "share")
 
 
 def _names(runs: Sequence[Run]) -> tuple[list[str], list[str]]:
@@ -67,8 +63,7 @@ def hue_of(versions: Sequence[str], version: str) -> str:
 
 
 def _sheet(width: float, height: float, title: str) -> Figure:
-    figure = Figure(figsize=(width, height), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = sheet(width, height, fitted=True)
     figure.suptitle(title, x=0.01, ha="left", fontsize=10.5, fontweight="bold")
     return figure
 
@@ -85,8 +80,7 @@ def grid_figure(runs: Sequence[Run], title: str, draw: Callable[[Axes, Run, str]
                 draw(axes, by_place[version, name], hue_of(versions, version))
             axes.xaxis.set_major_locator(MaxNLocator(4, integer=True))
             axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:,.0f}"))
-            axes.grid(color="#e8e8e8", linewidth=0.6)
-            axes.set_axisbelow(True)
+            grid_below(axes)
         row[0].set_ylabel(f"{version}\n{label}")
     for axes, name in zip(panels[0], titles, strict=True):
         axes.set_title(name, fontsize=8.5)
@@ -125,9 +119,9 @@ def _reached(axes: Axes, run: Run, hue: str) -> None:
     for figure, label, dash, colour in (*lines, ("crashed", "UAVs crashed", (0, (1, 1.5)), "#444444")):
         axes.plot(run.greedy("episodes"), run.greedy(figure), color=colour, linestyle=dash, linewidth=1.3, label=label)
     axes.set(xlim=(0, 1.03 * run.greedy("episodes")[-1]), ylim=(-0.03, 1.03))
-    axes.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0, symbol=" %"))
+    percent_axis(axes.yaxis)
     if axes.get_subplotspec().is_first_row() and axes.get_subplotspec().is_last_col():  # type: ignore[union-attr]
-        axes.legend(loc="upper left", bbox_to_anchor=(1.02, 1.0), borderaxespad=0.0)
+        legend_beside(axes)
 
 
 def coverage_figure(runs: Sequence[Run]) -> Figure:
@@ -146,10 +140,10 @@ def coverage_figure(runs: Sequence[Run]) -> Figure:
         for axes in row:
             axes.axhline(0.9, color="#999999", linewidth=0.6, linestyle=(0, (1, 2)))
             axes.set(xlim=(0, BUDGET), ylim=(0, 1.01))
-            axes.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0, symbol=" %"))
+            percent_axis(axes.yaxis)
     panels[0][0].set_title("training: episodes still flying", fontsize=8.5)
     panels[0][1].set_title("greedy, at the end: all episodes", fontsize=8.5)
-    panels[0][1].legend(loc="upper left", bbox_to_anchor=(1.02, 1.0), borderaxespad=0.0)
+    legend_beside(panels[0][1])
     for axes in panels[-1]:
         axes.set_xlabel("step")
     return figure
@@ -188,11 +182,10 @@ def versions_figure(runs: Sequence[Run]) -> Figure:
         axes.set(
             xlabel=label, ylim=(len(names) - 0.5, -0.5), xlim=(-0.04, 1.04) if key != "t90" else (0, 1.04 * BUDGET)
         )
-        axes.grid(color="#e8e8e8", linewidth=0.6)
-        axes.set_axisbelow(True)
+        grid_below(axes)
         if key != "t90":
             axes.set_xticks([0.0, 0.5, 1.0])
-            axes.xaxis.set_major_formatter(PercentFormatter(1.0, decimals=0, symbol=" %"))
+            percent_axis(axes.xaxis)
     panels[0].set_yticks(range(len(names)), names)
-    panels[-1].legend(loc="upper left", bbox_to_anchor=(1.02, 1.0), borderaxespad=0.0)
+    legend_beside(panels[-1])
     return figure

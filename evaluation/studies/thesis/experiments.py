@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from fnmatch import fnmatchcase
 from typing import Any, NamedTuple
 
 from indoor_explorers.env import InputError
 from indoor_explorers.env.errors import did_you_mean
+from indoor_explorers.evaluation.studies.many_trainings import matching
 
 #: Names of the version with all switches as in the thesis, of that with all corrected, and of one for each switch.
 AS_WAS, MENDED, EACH = "thesis", "mended", "each"
@@ -86,12 +86,8 @@ def chosen(patterns: Sequence[str]) -> list[ThesisExperiment]:
         InputError: a pattern matches none.
 
     """
-    names = [experiment.name for experiment in EXPERIMENTS]
-    for pattern in patterns:
-        if not any(fnmatchcase(name, pattern) for name in names):
-            raise InputError(f"no experiment of the thesis is called {pattern!r}{did_you_mean(pattern, names)}")
-    wanted = [one for one in EXPERIMENTS if any(fnmatchcase(one.name, pattern) for pattern in patterns)]
-    needed = {one.name for one in wanted} | {one.starts_from for one in wanted}
+    wanted = matching([one.name for one in EXPERIMENTS], patterns, "experiment of the thesis")
+    needed = {*wanted, *(one.starts_from for one in EXPERIMENTS if one.name in wanted)}
     return [one for one in EXPERIMENTS if one.name in needed]
 
 

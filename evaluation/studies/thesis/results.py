@@ -1,10 +1,9 @@
-"""Reads the finished trainings of the thesis's experiments from their folders, and writes ``summary.csv``."""
+"""Reads the finished trainings of the thesis's experiments from their folders."""
 
 from __future__ import annotations
 
 import csv
 import json
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -12,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env import InputError
-from indoor_explorers.env.files import written_whole
 from indoor_explorers.evaluation.studies.thesis.experiments import ThesisExperiment
 
 #: Files of a training, see :mod:`indoor_explorers.learners.thesis.train`.
@@ -80,11 +78,3 @@ def read_run(experiment: ThesisExperiment, version: str, folder: Path) -> Run | 
             f"{folder}: expected a finished training, got something else ({error!r}); delete it"
         ) from error
     return Run(experiment, version, record, scores)
-
-
-def write_summary(runs: Sequence[Run], path: Path) -> None:
-    """Write one row for each run."""
-    with written_whole(path) as partial, partial.open("w", newline="", encoding="utf-8") as file:
-        table = csv.DictWriter(file, COLUMNS)
-        table.writeheader()
-        table.writerows(run.row() for run in runs)

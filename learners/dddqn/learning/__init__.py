@@ -1,1 +1,1 @@
-"""Training of the DDDQN: vectorised flight, replay, targets, updates and the training loop."""
+"""Learning of the DDDQN: vectorised flight, replay, targets and updates."""

@@ -153,11 +153,11 @@ def _copy(network: DuelingNetwork, leader: DuelingNetwork) -> None:
         own.copy_(other)
 
 
-def _device(wish: str) -> torch.device:
-    there = torch.cuda.is_available()
-    if wish == "cuda" and not there:
+def _device(requested: str) -> torch.device:
+    available = torch.cuda.is_available()
+    if requested == "cuda" and not available:
         raise InputError("expected a GPU that torch can use for device 'cuda', found none; set device to 'cpu'")
-    return torch.device("cuda" if there and wish != "cpu" else "cpu")
+    return torch.device("cuda" if available and requested != "cpu" else "cpu")
 
 
 def _fast_bfloat16(device: torch.device) -> bool:

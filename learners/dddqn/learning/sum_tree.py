@@ -25,11 +25,11 @@ def _write(tree: np.ndarray, places: np.ndarray, values: np.ndarray) -> None:
 
 
 @kernel()
-def _find(tree: np.ndarray, lots: np.ndarray, places: np.ndarray) -> None:
-    """Write the place of each of the points ``lots`` between 0 and the total; a leaf of 0 is never found."""
+def _find(tree: np.ndarray, points: np.ndarray, places: np.ndarray) -> None:
+    """Write the place of each of the ``points`` between 0 and the total; a leaf of 0 is never found."""
     leaves = tree.shape[0] // 2
-    for i in range(lots.shape[0]):
-        node, left = 1, lots[i]
+    for i in range(points.shape[0]):
+        node, left = 1, points[i]
         while node < leaves:
             node *= 2
             if left >= tree[node] and tree[node + 1] > 0.0:
@@ -62,7 +62,7 @@ class SumTree:
 
     def draw(self, count: int, rng: np.random.Generator) -> NDArray[np.int64]:
         """Draw places (count,) by stratified sampling: one from each of ``count`` equal parts of the total."""
-        lots = (np.arange(count) + rng.random(count)) * (self.total / count)
+        points = (np.arange(count) + rng.random(count)) * (self.total / count)
         places = np.empty(count, np.int64)
-        _find(self._tree, lots, places)
+        _find(self._tree, points, places)
         return places

@@ -12,12 +12,11 @@ from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.simulation.state import End
 from indoor_explorers.env.simulation.world import World
 from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
-from indoor_explorers.learners.dddqn.observation.frame_stack import stacked
-from indoor_explorers.learners.dddqn.observation.known import Known
-from indoor_explorers.learners.dddqn.observation.layout import observation_layout
+from indoor_explorers.learners.dddqn.observation.layout import observation_layout, stacked
 from indoor_explorers.learners.dddqn.observation.map_prior import MapPrior
 from indoor_explorers.learners.dddqn.observation.memory import new_memory
 from indoor_explorers.learners.dddqn.observation.observe import observation_context, observe
+from indoor_explorers.learners.dddqn.observation.uav import Known
 from indoor_explorers.learners.sessions.worlds import begin, restore_world, world_tensors
 
 

@@ -90,9 +90,7 @@ def _tours(arrays: Mapping[str, NDArray[Any]], layout: ObservationLayout, config
 def without_network(weights: NetworkWeights, layout: ObservationLayout) -> NetworkWeights:
     """Return weights whose values are the costs of the planner features alone: steps, then delay beyond the best.
 
-    Raises:
-        InputError: the observation has no planner features.
-
+    Raises :class:`InputError` if the observation has no planner features.
     """
     costs = search_costs(layout)
     if costs is None:

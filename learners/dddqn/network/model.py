@@ -9,6 +9,7 @@ from torch import Tensor, nn
 
 from indoor_explorers.learners.dddqn.network.config import NetworkConfig
 from indoor_explorers.learners.dddqn.observation.layout import ObservationLayout, tour_costs
+from indoor_explorers.learners.sessions.networks import network_arrays
 
 #: Initial noise of each weight, times the square root of its layer's inputs (Fortunato et al. 2018, section 3.2).
 SIGMA = 0.5
@@ -109,5 +110,4 @@ def new_network(layout: ObservationLayout, config: NetworkConfig, seed: int) -> 
 
 def arrays(network: DuelingNetwork) -> dict[str, NDArray[np.float32]]:
     """Return the arrays for acting by name, shaped as in ``inference.shapes``: every weight, without the noise."""
-    state = network.state_dict().items()
-    return {name: value.float().cpu().numpy().copy() for name, value in state if not name.endswith("_sigma")}
+    return {name: array for name, array in network_arrays(network).items() if not name.endswith("_sigma")}

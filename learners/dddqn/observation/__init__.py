@@ -1,1 +1,1 @@
-"""What the network sees of a UAV's view: map image, view gains, candidates, tours."""
+"""The network's input from one UAV's view: map image, view gains, candidates, tours."""

@@ -20,9 +20,17 @@ import numpy as np
 
 from indoor_explorers.env.grid.compiled import inner, leaf
 from indoor_explorers.env.grid.randomness import draw
-from indoor_explorers.env.search.bitsets import ROOM, STRIDE, Board, board_hash, board_size, neighbour_pairs, without
+from indoor_explorers.env.search.bitsets import (
+    ROOM,
+    STRIDE,
+    Board,
+    board_hash,
+    board_size,
+    is_new,
+    neighbour_pairs,
+    without,
+)
 from indoor_explorers.learners.dddqn.observation.memory import LONGEST
-from indoor_explorers.planners.toolbox.hash_table import is_new
 
 #: Search depth in steps.
 DEPTH = LONGEST

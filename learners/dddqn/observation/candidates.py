@@ -1,4 +1,4 @@
-"""Candidate features of the moves on maps of any size: the best next viewpoint behind each move.
+"""Candidate features of the moves on maps of any size: the best next viewpoint in the direction of each move.
 
 A candidate (in the setting and in arrays: prospect) is a frontier cell. Its utility is g^power e^(-rate d), with g its
 view gain and d the path length to it in lidar ranges (H. H. Gonzalez-Banos, J.-C. Latombe, IJRR 2002,
@@ -45,7 +45,7 @@ class CandidateScratch(NamedTuple):
     theirs: NDArray[np.int32]
     """(H, W) path length of the nearest recently heard teammate in steps."""
     worth: NDArray[np.float64]
-    """(K, 4) utility of the best candidate behind each move, for each kind."""
+    """(K, 4) utility of the best candidate in the direction of each move, for each kind."""
     steps: NDArray[np.int64]
     """(K, 4) path length to it after the move, in steps."""
     cell: NDArray[np.int64]
@@ -61,7 +61,7 @@ def new_candidate_scratch(shape: tuple[int, int]) -> CandidateScratch:
 
 
 @leaf(entry=False)
-def _spread_theirs(
+def _flood_from_teammates(
     belief: np.ndarray, mates: np.ndarray, ages: np.ndarray, most: float, queue: np.ndarray, theirs: np.ndarray
 ) -> None:
     """Fill ``theirs`` with the distances from teammates that were heard up to ``most`` steps ago."""
@@ -76,7 +76,7 @@ def _spread_theirs(
 
 
 @leaf(entry=False)
-def _offer(
+def _compare(
     kind: int,
     cell: int,
     steps: int,
@@ -121,20 +121,14 @@ def _write(
 
 
 @leaf(entry=False)
-def look_for_candidates(
-    uav: Uav,
-    sensor: Sensor,
-    scratch: Scratch,
-    candidates: CandidateScratch,
-    out: np.ndarray,
-) -> None:
+def write_candidates(uav: Uav, sensor: Sensor, scratch: Scratch, candidates: CandidateScratch, out: np.ndarray) -> None:
     """Write the candidate features of a UAV's four moves into ``out`` (4, 10).
 
     The gains must be flooded before. ``uav.prospect``, the best candidates, is updated.
     """
     belief, gain, weight, kept = uav.belief, uav.gain, uav.weight, uav.prospect
     width, lidar_range = belief.shape[1], REFERENCE_RANGE / sensor.rate
-    _spread_theirs(belief, uav.mates, uav.ages, HEARD * lidar_range, scratch.queue, candidates.theirs)
+    _flood_from_teammates(belief, uav.mates, uav.ages, HEARD * lidar_range, scratch.queue, candidates.theirs)
     candidates.worth[:] = 0.0
     for row in range(belief.shape[0]):
         for col in range(width):
@@ -147,7 +141,7 @@ def look_for_candidates(
                 held = kept[kind] >= 0 and max(abs(row - r), abs(col - c)) <= NEAR * lidar_range
                 view = float(found) if kind == 0 else float(weight[row, col])
                 factor = share * HOLD if held else share
-                _offer(kind, row * width + col, steps, scratch.first[row, col], view, factor, lidar_range, candidates)
+                _compare(kind, row * width + col, steps, scratch.first[row, col], view, factor, lidar_range, candidates)
     for kind in range(len(POWERS)):
         part = out[:, kind * len(PROSPECT) : (kind + 1) * len(PROSPECT)]
         kept[kind] = _write(kind, gain, sensor, scratch.blocked, candidates, part)

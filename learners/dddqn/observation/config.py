@@ -1,4 +1,4 @@
-"""The parts of the network's input; most of the shipped weights use the defaults."""
+"""The settings of the network's input; most of the shipped weights use the defaults."""
 
 from __future__ import annotations
 

@@ -8,11 +8,13 @@ unknown and known free cells (and teammates, if the fine map shows them), the fo
 from __future__ import annotations
 
 from functools import lru_cache
+from itertools import accumulate
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from indoor_explorers.env.grid.arrays import Mask
 from indoor_explorers.env.grid.cells import MOVES
 from indoor_explorers.learners.dddqn.observation.config import LAYERS, ObservationConfig
 
@@ -98,14 +100,10 @@ def observation_layout(config: ObservationConfig) -> ObservationLayout:
     for layer in config.layers:
         layers[LAYERS.index(layer)], at = at, at + config.crop**2
     mates = "mates" in config.layers or "mates_past" in config.layers
-    coarse_at, sides_at, identity_at, progress_at, scene = _places(
-        at,
-        (2 + mates) * config.coarse**2,
-        4 * config.sides,
-        IDENTITIES * config.identity,
-        PROGRESS * config.progress,
+    scene = _offsets(
+        at, (2 + mates) * config.coarse**2, 4 * config.sides, IDENTITIES * config.identity, PROGRESS * config.progress
     )
-    gains_at, visits_at, tours_at, prospects_at, features = _places(
+    features = _offsets(
         len(BLOCKED),
         len(GAINS) * config.gains,
         len(VISITS) * config.visits,
@@ -113,32 +111,15 @@ def observation_layout(config: ObservationConfig) -> ObservationLayout:
         len(PROSPECTS) * len(PROSPECT) * config.prospects,
     )
     layers.setflags(write=False)
-    return ObservationLayout(
-        crop=config.crop,
-        coarse=config.coarse,
-        layers=layers,
-        coarse_at=coarse_at,
-        coarse_mates=mates,
-        sides_at=sides_at,
-        identity_at=identity_at,
-        progress_at=progress_at,
-        scene=scene,
-        gains_at=gains_at,
-        visits_at=visits_at,
-        tours_at=tours_at,
-        prospects_at=prospects_at,
-        features=features,
-        frames=config.frames,
+    return ObservationLayout._make(
+        [config.crop, config.coarse, layers, scene[0], mates, *scene[1:], *features, config.frames]
     )
 
 
-def _places(at: int, *sizes: int) -> list[int]:
+def _offsets(at: int, *sizes: int) -> list[int]:
     """Return the offsets of consecutive parts of these sizes, -1 for empty ones, and the end of the last part."""
-    places = []
-    for size in sizes:
-        places.append(at if size else -1)
-        at += size
-    return [*places, at]
+    ends = list(accumulate(sizes, initial=at))
+    return [end if size else -1 for end, size in zip(ends, sizes, strict=False)] + ends[-1:]
 
 
 def tour_costs(
@@ -223,3 +204,12 @@ def symmetries(config: ObservationConfig) -> Symmetries:
         if layout.sides_at >= 0:
             scene[g, layout.sides_at : layout.sides_at + 4] = layout.sides_at + moves[g]
     return Symmetries(scene=scene, moves=moves, action=action)
+
+
+def stacked(scene: NDArray[np.uint8], scenes: NDArray[np.uint8], first: Mask) -> NDArray[np.uint8]:
+    """Push new scenes (K, S) onto stacked ones (K, I), latest first; the ``first`` (K,) of an episode is repeated."""
+    if scene.shape == scenes.shape:
+        return scene
+    frames = scenes.shape[1] // scene.shape[1]
+    later = np.concatenate([scene, scenes[:, : -scene.shape[1]]], axis=1)
+    return np.where(first[:, None], np.tile(scene, (1, frames)), later)

@@ -131,13 +131,7 @@ def _show_mates(
 
 
 @leaf(entry=False)
-def _write_fine(
-    uav: Uav,
-    sensor: Sensor,
-    scratch: Scratch,
-    layout: ObservationLayout,
-    out: np.ndarray,
-) -> None:
+def _write_fine(uav: Uav, sensor: Sensor, scratch: Scratch, layout: ObservationLayout, out: np.ndarray) -> None:
     """Write the layers of the fine map, except those of teammates."""
     row, col, side, size = uav.row, uav.col, sensor.scale, layout.crop * layout.crop
     for layer in range(_MATES):
@@ -176,13 +170,7 @@ def _write_sides(row: int, col: int, table: np.ndarray, disc: float, out: np.nda
 
 
 @leaf(entry=False)
-def write_map_image(
-    uav: Uav,
-    sensor: Sensor,
-    scratch: Scratch,
-    layout: ObservationLayout,
-    out: np.ndarray,
-) -> None:
+def write_map_image(uav: Uav, sensor: Sensor, scratch: Scratch, layout: ObservationLayout, out: np.ndarray) -> None:
     """Write the map image (S,) uint8 of a UAV; the summed-area tables must be filled."""
     row, col, mates, ages = uav.row, uav.col, uav.mates, uav.ages
     fine, coarse = layout.crop * layout.crop, layout.coarse * layout.coarse

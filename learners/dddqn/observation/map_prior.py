@@ -56,8 +56,8 @@ def _arranged(hidden: NDArray[Any], hidden_bias: NDArray[Any], out: NDArray[Any]
 
 
 def prior_from(arrays: Mapping[str, NDArray[Any]]) -> MapPrior:
-    """Return the prior with the arrays of a weights file, as :func:`prior_shapes` has them; empty without arrays."""
-    if not arrays:
+    """Return the prior with the arrays of a file, shaped as in :func:`prior_shapes`; empty if the file has none."""
+    if "prior.hidden" not in arrays:
         return no_prior()
     return _arranged(arrays["prior.hidden"], arrays["prior.hidden_bias"], arrays["prior.out"], arrays["prior.out_bias"])
 
@@ -124,3 +124,22 @@ def write_chances(belief: np.ndarray, prior: MapPrior, patch: np.ndarray, box: n
                 chance[r, c] = 255
             else:
                 chance[r, c] = int(255.0 / (1.0 + np.exp(-_judge(patch, prior))) + 0.5)
+
+
+#: Probability, times 255, below which an unknown cell is assumed to be an obstacle.
+UNLIKELY = 40
+
+
+@leaf()
+def assume_obstacles(belief: np.ndarray, chance: np.ndarray, out: np.ndarray) -> bool:
+    """Write a belief with the assumed obstacles into ``out`` (H, W); return whether any obstacles are known.
+
+    ``chance`` (H, W) uint8 is the map prior's probability of the unknown cells, 255 standing for 1.
+    """
+    any_known = False
+    for r in range(belief.shape[0]):
+        for c in range(belief.shape[1]):
+            unlikely = belief[r, c] == UNKNOWN and chance[r, c] < UNLIKELY
+            any_known |= belief[r, c] == OCCUPIED
+            out[r, c] = OCCUPIED if unlikely else belief[r, c]
+    return any_known

@@ -1,4 +1,4 @@
-"""The memory, beyond the belief, that a UAV's observations need: one column per UAV."""
+"""The memory, beyond the belief, that a UAV's observations need: one column per UAV. It is updated in changed boxes."""
 
 from __future__ import annotations
 
@@ -8,13 +8,19 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.grid.cells import MOVES
+from indoor_explorers.env.grid.cells import MOVES, UNKNOWN
+from indoor_explorers.env.grid.compiled import inner, leaf
 from indoor_explorers.env.search.bitsets import ROOM, STRIDE, WORDS
 from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
 from indoor_explorers.learners.dddqn.observation.layout import PROSPECTS
 
 #: Marks in place of a gain: it must be recomputed; the UAV has been in the cell, which has nothing more to show.
 STALE, SPENT = -1, -2
+#: Value of each array at the beginning of an episode; the others are overwritten before they are read.
+START = {
+    **dict.fromkeys(("noted", "visits", "looks", "barred", "pushes", "gained", "idle", "nearest"), 0),
+    **{"aimed": -1, "chance": 255, "gain": STALE, "prospect": -1, "obstacles": 255, "tour": -1},
+}
 #: Length of the longest tour that is kept, in cells.
 LONGEST = 40
 
@@ -59,19 +65,8 @@ class ObservationMemory(NamedTuple):
 
     def forget(self, columns: slice | Sequence[int]) -> None:
         """Reset some columns for new episodes."""
-        self.noted[columns] = 0
-        self.visits[columns] = 0
-        self.aimed[columns] = -1
-        self.looks[columns] = self.pushes[columns] = 0
-        self.barred[columns] = 0
-        self.chance[columns] = 255
-        self.gain[columns] = STALE
-        self.prospect[columns] = -1
-        self.obstacles[columns] = 255
-        self.tour[columns] = -1
-        self.gained[columns] = 0
-        self.idle[columns] = 0
-        self.nearest[columns] = 0
+        for name, value in START.items():
+            getattr(self, name)[columns] = value
 
     def aim(self, cell: NDArray[np.int64], action: NDArray[np.int64]) -> None:
         """Store the target cells of moves (C,) from cells (C, 2)."""
@@ -83,26 +78,60 @@ class ObservationMemory(NamedTuple):
 
 def new_memory(columns: int, shape: tuple[int, int], observation: ObservationConfig) -> ObservationMemory:
     """Allocate the memory of ``columns`` UAVs on (H, W) maps, with that of tours if the map is small enough."""
-    cells = (columns, *shape)
     room = STRIDE * ROOM if observation.tours and max(shape) <= ROOM else 0
+    cells, single = (columns, *shape), (columns,)
     memory = ObservationMemory(
-        noted=np.zeros(cells, np.uint8),
-        visits=np.zeros(cells, np.uint8),
-        aimed=np.zeros(columns, np.int64),
-        looks=np.zeros(columns, np.int64),
-        barred=np.zeros(cells, np.int32),
-        pushes=np.zeros(columns, np.int64),
-        chance=np.zeros(cells, np.uint8),
-        gain=np.zeros(cells, np.int32),
+        noted=np.empty(cells, np.uint8),
+        visits=np.empty(cells, np.uint8),
+        aimed=np.empty(single, np.int64),
+        looks=np.empty(single, np.int64),
+        barred=np.empty(cells, np.int32),
+        pushes=np.empty(single, np.int64),
+        chance=np.empty(cells, np.uint8),
+        gain=np.empty(cells, np.int32),
         weight=np.zeros(cells if observation.prospects else (columns, 0, 0), np.float32),
-        prospect=np.zeros((columns, len(PROSPECTS)), np.int64),
-        obstacles=np.zeros(cells, np.uint8),
+        prospect=np.empty((columns, len(PROSPECTS)), np.int64),
+        obstacles=np.empty(cells, np.uint8),
         views=np.zeros((columns, room, WORDS), np.uint64),
         passages=np.zeros((columns, room, 4), np.int32),
-        tour=np.zeros((columns, 2, LONGEST + 1), np.int64),
-        gained=np.zeros(columns, np.int64),
-        idle=np.zeros(columns, np.int64),
-        nearest=np.zeros(columns, np.int64),
+        tour=np.empty((columns, 2, LONGEST + 1), np.int64),
+        gained=np.empty(single, np.int64),
+        idle=np.empty(single, np.int64),
+        nearest=np.empty(single, np.int64),
     )
     memory.forget(slice(None))
     return memory
+
+
+@inner()
+def _note_row(belief: np.ndarray, noted: np.ndarray) -> tuple[int, int]:
+    """Note the known cells of one row (W,); return the first newly known column and the one after the last."""
+    first, after = belief.shape[0], 0
+    for c in range(belief.shape[0]):
+        if belief[c] != UNKNOWN and noted[c] == 0:
+            noted[c], first, after = 1, min(first, c), c + 1
+    return first, after
+
+
+@leaf()
+def note(belief: np.ndarray, noted: np.ndarray, boxes: np.ndarray) -> int:
+    """Note the known cells of a belief (H, W); write ``boxes`` around the newly known ones and return their number.
+
+    A box is (top, left, bottom, right), the last two exclusive; adjacent rows with changes share one box.
+    ``boxes`` must have room for one box in every second row.
+    """
+    found, joined = 0, False
+    for r in range(belief.shape[0]):
+        changed = False
+        for c in range(belief.shape[1]):  # without a branch, so that the loop is vectorised
+            changed |= (belief[r, c] != UNKNOWN) & (noted[r, c] == 0)
+        if changed:
+            left, right = _note_row(belief[r], noted[r])
+            if joined:
+                left, right = min(left, boxes[found - 1, 1]), max(right, boxes[found - 1, 3])
+            else:
+                boxes[found, 0] = r
+                found += 1
+            boxes[found - 1, 1], boxes[found - 1, 2], boxes[found - 1, 3] = left, r + 1, right
+        joined = changed
+    return found

@@ -25,20 +25,17 @@ from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.search.bitsets import STRIDE
 from indoor_explorers.learners.dddqn.observation.candidates import (
     CandidateScratch,
-    look_for_candidates,
     new_candidate_scratch,
+    write_candidates,
 )
-from indoor_explorers.learners.dddqn.observation.changed_boxes import note
 from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
-from indoor_explorers.learners.dddqn.observation.known import Known
 from indoor_explorers.learners.dddqn.observation.layout import ObservationLayout, observation_layout
 from indoor_explorers.learners.dddqn.observation.map_image import VISIT_CAP, tabulate, write_map_image
-from indoor_explorers.learners.dddqn.observation.map_prior import MapPrior, write_chances
-from indoor_explorers.learners.dddqn.observation.memory import SPENT, ObservationMemory
-from indoor_explorers.learners.dddqn.observation.optimistic_map import assume_obstacles
+from indoor_explorers.learners.dddqn.observation.map_prior import MapPrior, assume_obstacles, write_chances
+from indoor_explorers.learners.dddqn.observation.memory import SPENT, ObservationMemory, note
 from indoor_explorers.learners.dddqn.observation.scales import Scratch, Sensor, scratch, sensor
-from indoor_explorers.learners.dddqn.observation.tours import TourScratch, look_for_tours, new_tour_scratch
-from indoor_explorers.learners.dddqn.observation.uav import Uav, uav_of
+from indoor_explorers.learners.dddqn.observation.tours import TourScratch, new_tour_scratch, write_tours
+from indoor_explorers.learners.dddqn.observation.uav import Known, Uav, uav_of
 from indoor_explorers.learners.dddqn.observation.view_gain import (
     AROUND,
     flood_gains,
@@ -77,7 +74,7 @@ def observation_context(
 
 @leaf(entry=False)
 def _remember(uav: Uav, context: ObservationContext) -> None:
-    """Count the gain and the visit, reset the visits after a gain, and renew what depends on newly known cells.
+    """Count the gain and the visit, reset the visits after a gain, and update all that depends on newly known cells.
 
     Only cells that the UAV's own lidar discovered are a gain.
     """
@@ -131,13 +128,6 @@ def _write_moves(uav: Uav, context: ObservationContext, out: np.ndarray) -> None
             out[k, layout.visits_at] = min(uav.visits[r, c], VISIT_CAP) / VISIT_CAP
 
 
-@inner()
-def _write_candidates(uav: Uav, context: ObservationContext, moves: np.ndarray) -> None:
-    """Write the candidates behind each move."""
-    out = moves[:, context.layout.prospects_at :]
-    look_for_candidates(uav, context.sensor, context.scratch, context.candidates, out)
-
-
 @leaf(entry=False)
 def _write_tours(uav: Uav, context: ObservationContext, moves: np.ndarray) -> None:
     """Write the tours behind each move."""
@@ -145,17 +135,12 @@ def _write_tours(uav: Uav, context: ObservationContext, moves: np.ndarray) -> No
     obstructed = assume_obstacles(uav.belief, uav.chance, work.layer)
     stale, reach = context.tours.stale, lidar.reach + 1
     update_views(work.layer, STRIDE, lidar.lidar, work.scan, reach, stale, uav.obstacles, uav.views, uav.passages)
-    look_for_tours(uav, context.tours, obstructed, work.blocked, moves[:, context.layout.tours_at :])
+    write_tours(uav, context.tours, obstructed, work.blocked, moves[:, context.layout.tours_at :])
 
 
 @leaf(entry=False)
 def _observe(
-    known: Known,
-    memory: ObservationMemory,
-    i: int,
-    context: ObservationContext,
-    scene: np.ndarray,
-    moves: np.ndarray,
+    known: Known, memory: ObservationMemory, i: int, context: ObservationContext, scene: np.ndarray, moves: np.ndarray
 ) -> None:
     """Update the memory and compute the observation of UAV ``i``; each stage needs those before it."""
     uav, layout, work = uav_of(known, memory, i), context.layout, context.scratch
@@ -165,7 +150,7 @@ def _observe(
     write_map_image(uav, context.sensor, work, layout, scene)
     _write_moves(uav, context, moves)
     if layout.prospects_at >= 0:
-        _write_candidates(uav, context, moves)
+        write_candidates(uav, context.sensor, work, context.candidates, moves[:, layout.prospects_at :])
     if layout.tours_at >= 0 and uav.views.shape[0] > 0:
         _write_tours(uav, context, moves)
 

@@ -41,7 +41,7 @@ class Scratch(NamedTuple):
     first: NDArray[np.uint8]
     """(H, W) the moves, one bit each, that begin a shortest path to a cell."""
     ahead: NDArray[np.float64]
-    """(4, 5) the gains behind each move: the best for each discount, the sum, and the distance to the nearest."""
+    """(4, 5) the gains ahead of each move: the best for each discount, the sum, and the distance to the nearest."""
     power: NDArray[np.float64]
     """(3,) discount factors of the current distance."""
     queue: NDArray[np.int32]

@@ -1,6 +1,6 @@
-"""Tour features of the moves in small rooms: the tours that a beam search finds behind each of them.
+"""Tour features of the moves in small rooms: the tours that begin with each move, found by a beam search.
 
-The search plans on the optimistic map (:mod:`~indoor_explorers.learners.dddqn.observation.optimistic_map`). Its tours
+The search plans on the optimistic map (:mod:`~indoor_explorers.learners.dddqn.observation.map_prior`). Its tours
 need not view cells that are probably obstacles by the map prior, as long as other cells are left. Likewise they leave a
 cell to a teammate that was closer to it when last heard (at equal distance to the lower number), and a cell in the
 sector of a teammate that was never heard, in scenarios whose radio seldom connects the team at the start.
@@ -44,30 +44,20 @@ _FINISHED, _STEPS, _DELAY, _HALFWAY = range(4)
 _LEAST_STEPS, _LEAST_DELAY, _LEAST_TO_MARK = range(3)
 #: Kinds of tours: to the goal, and to the mark of 90 %.
 _GOAL, _MARK = range(2)
-#: Columns of the features of a move, by their names.
-_GOAL_FOUND = TOURS.index("a tour to the goal was found")
-_GOAL_BEYOND = TOURS.index("its steps beyond the shortest")
-_GOAL_SHORTEST = TOURS.index("it is the shortest")
-_GOAL_STEPS = TOURS.index("its steps")
-_DELAY_BEYOND = TOURS.index("its delay beyond the least")
-_MEAN_UNSEEN = TOURS.index("its delay")
-_UNKNOWN_SHARE = TOURS.index("unknown share")
-_MARK_FOUND = TOURS.index("a tour to 90 % was found")
-_MARK_BEYOND = TOURS.index("its steps beyond the shortest to 90 %")
-_MARK_SHORTEST = TOURS.index("it is the shortest to 90 %")
-_MARK_STEPS = TOURS.index("its steps to 90 %")
-_GOAL_HALFWAY = TOURS.index("steps of the tour to the goal until 90 %")
+#: Columns of the features of a move, in the order of ``TOURS``.
+_GOAL_FOUND, _GOAL_BEYOND, _GOAL_SHORTEST, _GOAL_STEPS, _DELAY_BEYOND, _MEAN_UNSEEN = range(6)
+_UNKNOWN_SHARE, _MARK_FOUND, _MARK_BEYOND, _MARK_SHORTEST, _MARK_STEPS, _GOAL_HALFWAY = range(6, len(TOURS))
 
 
 class TourScratch(NamedTuple):
     """Working arrays of the search for tours."""
 
     beam: Beam
-    """Those of the beam search."""
+    """The working arrays of the beam search."""
     attainable: np.ndarray
     """(4,) words: cells that can be viewed from any reachable cell."""
     unseen: np.ndarray
-    """(4,) words: those that tours have to view."""
+    """(4,) words: the attainable cells that tours have to view."""
     steps: np.ndarray
     """(256,) distances of a breadth-first search."""
     queue: np.ndarray
@@ -75,7 +65,7 @@ class TourScratch(NamedTuple):
     stale: np.ndarray
     """(16, 16) cells whose views have changed."""
     found: np.ndarray
-    """(4, 2, 4) the tours behind each move, to the goal and to the mark."""
+    """(4, 2, 4) the tours that begin with each move, to the goal and to the mark."""
     paths: np.ndarray
     """(4, 2, 41) their cells, -1 after the last; only -1 for an unfinished tour."""
     least: np.ndarray
@@ -189,12 +179,8 @@ def _search(
             tour = old
             for k in range(path.shape[0]):
                 path[k] = kept[k] if k < old.steps else -1
-    found[_FINISHED], found[_STEPS], found[_DELAY], found[_HALFWAY] = (
-        tour.finished,
-        tour.steps,
-        tour.delay,
-        tour.halfway,
-    )
+    found[_FINISHED], found[_STEPS] = tour.finished, tour.steps
+    found[_DELAY], found[_HALFWAY] = tour.delay, tour.halfway
 
 
 @inner()
@@ -242,13 +228,7 @@ def _write(goal: Tour, mark: Tour, least: np.ndarray, left: int, total: float, e
 
 
 @leaf(entry=False)
-def look_for_tours(
-    uav: Uav,
-    scratch: TourScratch,
-    obstructed: bool,
-    blocked: np.ndarray,
-    out: np.ndarray,
-) -> None:
+def write_tours(uav: Uav, scratch: TourScratch, obstructed: bool, blocked: np.ndarray, out: np.ndarray) -> None:
     """Write the tour features of a UAV's four moves into ``out`` (4, 12).
 
     A ``blocked`` (4,) move has zeros, except that its steps beyond the shortest tours are 1. ``uav.views`` and

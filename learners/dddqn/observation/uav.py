@@ -1,4 +1,4 @@
-"""One UAV's knowledge and memory: its row of :mod:`.known` and its column of :mod:`.memory`."""
+"""The knowledge that observations are computed from: of all UAVs, and of one UAV together with its memory."""
 
 from __future__ import annotations
 
@@ -7,12 +7,28 @@ from typing import NamedTuple
 import numpy as np
 
 from indoor_explorers.env.grid.compiled import inner
-from indoor_explorers.learners.dddqn.observation.known import Known
 from indoor_explorers.learners.dddqn.observation.memory import ObservationMemory
 
 
+class Known(NamedTuple):
+    """Knowledge of C UAVs in teams of M."""
+
+    belief: np.ndarray
+    """(C, H, W) uint8; read-only as in a pilot's view, so that kernels compile for one array type only."""
+    cell: np.ndarray
+    """(C, 2) int64: row and column of the UAV."""
+    mates: np.ndarray
+    """(C, M, 2) int64: last received cell of each UAV of the team."""
+    ages: np.ndarray
+    """(C, M) int64: age of that cell in steps, -1 for never received and for the UAV itself."""
+    agent: np.ndarray
+    """(C,) int64: the UAV's number in its team."""
+    flown: np.ndarray
+    """(C,) float64: used share of the step budget."""
+
+
 class Uav(NamedTuple):
-    """What an observation of one UAV is computed from; arrays of the memory are views, which observing updates."""
+    """The knowledge and the memory of one UAV; arrays of the memory are views, which an observation updates."""
 
     row: int
     """Row of its cell."""

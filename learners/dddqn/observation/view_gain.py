@@ -1,4 +1,4 @@
-"""View-gain features of the moves on maps of any size: the gains behind each move, and their distances.
+"""View-gain features of the moves on maps of any size: the gains in the direction of each move, and their distances.
 
 One breadth-first search from the UAV serves all four moves. The grid is bipartite, so a step to a neighbour changes
 the distance to any cell by exactly one: it is one less if a shortest path begins with that step, and one more if none
@@ -93,7 +93,7 @@ def _spread(belief: np.ndarray, cell: int, scratch: Scratch, tail: int) -> int:
 
 @leaf(entry=False)
 def _credit(gain: int, steps: int, first: int, share: float, sensor: Sensor, scratch: Scratch) -> None:
-    """Add a gain ``steps`` steps from the UAV to what lies ahead of all moves.
+    """Add a gain ``steps`` steps from the UAV to the sums and maxima ahead of all moves.
 
     ``first`` are the moves, one bit each, that begin a shortest path to it; ``share`` is its weight in the sum.
     ``scratch.power`` holds the discount factors of ``steps`` - 1.

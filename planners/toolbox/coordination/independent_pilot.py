@@ -1,8 +1,9 @@
-"""A pilot that chooses its goal alone, from what teammates in contact have told and those out of contact may do."""
+"""A pilot that chooses its goal alone, and considers its teammates by factors on the gains."""
 
 from __future__ import annotations
 
 from abc import abstractmethod
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,40 +12,52 @@ from indoor_explorers.env.grid.arrays import Cell, Distances
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.toolbox.coordination.out_of_contact import OutOfContact
 from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
-from indoor_explorers.planners.toolbox.navigation.teammates import message_of
+from indoor_explorers.planners.toolbox.navigation.teammates import linked, message_of, sent_goal
 
 
 class IndependentPilot(GoalPilot):
-    """Choose places near this UAV, or nearest frontier cells where there are none, and send the goal to teammates."""
+    """Choose a candidate near this UAV, or else the nearest frontier cell, and send the goal to the teammates."""
 
-    straight = True
+    straight: ClassVar[bool] = True
+    fallback_figure: ClassVar[str] = "out_of_range"
+    """Name, in the tally, of the number of goals that were nearest frontiers because there was no candidate."""
 
     def __init__(self, briefing: Briefing) -> None:
         super().__init__(briefing)
         self._lidar = float(briefing.lidar_range)
         self._out_of_contact = OutOfContact(briefing)
-        self._out_of_range = 0
+        self._fallbacks = 0
 
     @abstractmethod
     def chosen(self, view: View) -> Cell | None:
-        """Return the place to fly to; None if none is in range."""
+        """Return the candidate to fly to; None if none is in range."""
 
     def choose(self, view: View) -> Cell | None:
-        """Return the chosen place, or the nearest frontier cell if none is in range."""
+        """Return the chosen candidate, or the nearest frontier cell if none is in range."""
         goal = self.chosen(view)
         if goal is None:
             goal = self.nearest_frontier(view)
-            self._out_of_range += goal is not None
+            self._fallbacks += goal is not None
         self.message = message_of(goal)
         return goal
 
     def tally(self) -> dict[str, float]:
-        """Return also the number of goals that were nearest frontiers because no place was in range."""
-        return {**super().tally(), "out_of_range": float(self._out_of_range)}
+        """Return also the number of goals that were nearest frontiers."""
+        return {**super().tally(), self.fallback_figure: float(self._fallbacks)}
 
     def points(self, cells: NDArray[np.int32]) -> NDArray[np.float64]:
         """Return the rows and columns of (K,) flat cells, (K, 2)."""
         return np.stack(np.divmod(cells, self.paths.width), axis=1).astype(np.float64)
+
+    def not_dimmed(self, view: View, cells: NDArray[np.int32], dimming: float) -> NDArray[np.float64]:
+        """Return the factors on the gains of (K,) flat cells near the goals of linked teammates, (K,).
+
+        A gain loses the share ``dimming`` for each such goal within the lidar range.
+        """
+        sent = [goal for mate in linked(view) if (goal := sent_goal(mate)) is not None]
+        goals = np.array(sent, np.float64).reshape(-1, 2)
+        away = np.hypot(*(self.points(cells)[:, None, :] - goals[None, :, :]).transpose(2, 0, 1))
+        return np.asarray((1.0 - dimming) ** (away <= self._lidar).sum(axis=1))
 
     def left_by_others(self, view: View, cells: NDArray[np.int32], steps: Distances) -> NDArray[np.float64]:
         """Return the factors on the value of (K,) flat cells, ``steps`` away, for teammates out of contact, (K,)."""

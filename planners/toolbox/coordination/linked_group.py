@@ -1,6 +1,6 @@
 """The common knowledge of a linked group: its members' goals, and the last received cells of absent teammates.
 
-The members' memories differ, so a joint decision may only use what all of them have sent; a UAV uses its own last
+The members' memories differ, so a joint decision may only use the messages of all of them; a UAV uses its own last
 message in the same way. A message is the goal (row, column), the plan that it is part of (step, first agent) and up to
 four teammates out of contact: for each its number, the step when it was last heard, and its flat cell then.
 """

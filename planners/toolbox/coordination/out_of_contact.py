@@ -1,4 +1,4 @@
-"""Factors on gains that leave cells to teammates out of contact: near silent ones, and in the sectors of unheard ones.
+"""Factors on gains that leave cells to teammates out of contact: near silent ones, and in sectors of unheard ones.
 
 Any planner can multiply its gains by these factors. No factor is 0: a teammate out of contact may have ended, and the
 cells left to it are explored when no others remain.
@@ -7,21 +7,61 @@ cells left to it are explored when no others remain.
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import pi
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from indoor_explorers.env.grid.arrays import Cell, Distances
 from indoor_explorers.env.policies.view import Briefing, Mate, View
-from indoor_explorers.planners.toolbox.coordination.sectors import Sectors
 from indoor_explorers.planners.toolbox.navigation.teammates import remembered, whereabouts
 
 #: Smallest factor of one silent teammate.
 LEAST = 1e-3
-#: Computes the steps (K,) from a cell to each of K places on the current map.
+#: Computes the steps (K,) from a cell to each of K candidates on the current map.
 StepsFrom = Callable[[Cell], Distances]
 #: Computes the steps (H, W) from a cell to all others on the map of a view.
 FieldFrom = Callable[[View, Cell], Distances]
+
+
+class Sectors:
+    """The map divided into ``team`` sectors around a point, one for each UAV, for teammates that were never heard.
+
+    Without radio a UAV knows only its own number and the size of the team. This is enough to separate the UAVs: each
+    prefers the clusters in its own sector. All sectors have the same number of cells, so that after a start near the
+    map's edge no UAV has an empty sector.
+    """
+
+    def __init__(self, shape: tuple[int, int], centre: tuple[float, float], team: int) -> None:
+        self._centre = centre
+        self._team = team
+        rows, cols = np.mgrid[: shape[0], : shape[1]]
+        self._bearings = np.sort(self._bearing(rows, cols).ravel())
+
+    @classmethod
+    def of(cls, briefing: Briefing, start: Cell) -> Sectors:
+        """Return the sectors of a briefing's map for a UAV that started in ``start``.
+
+        They meet there, or in the middle of the map if the UAVs started in different places.
+        """
+        together = briefing.scenario.spawn == "clustered"
+        middle = (briefing.shape[0] - 1) / 2, (briefing.shape[1] - 1) / 2
+        return cls(briefing.shape, start if together else middle, briefing.team)
+
+    def shares(self, points: NDArray[np.float64], agent: int, strength: float) -> NDArray[np.float64]:
+        """Return the factors of clusters at (K, 2) rows and columns for a UAV, (K,) in (0, 1].
+
+        The factor is 1 in the middle of its sector and e^(-2 ``strength``) on the opposite side. Angles are measured by
+        the share of the map's cells that they cover.
+        """
+        swept = np.searchsorted(self._bearings, self._bearing(*points.T)) / len(self._bearings)
+        own = (agent + 0.5) / self._team
+        return np.asarray(np.exp(strength * (np.cos(2.0 * pi * (swept - own)) - 1.0)))
+
+    def _bearing(self, rows: ArrayLike, cols: ArrayLike) -> NDArray[np.float64]:
+        return np.asarray(
+            np.arctan2(np.subtract(rows, self._centre[0]), np.subtract(cols, self._centre[1])), np.float64
+        )
 
 
 class OutOfContact:
@@ -32,7 +72,7 @@ class OutOfContact:
 
     Args:
         briefing: Briefing of the UAV.
-        silence: Lidar ranges by which a silent teammate must be closer to a place for a factor of e^-1.
+        silence: Lidar ranges by which a silent teammate must be closer to a candidate for a factor of e^-1.
         sector: Preference for the own sector while teammates were never heard; the factor on the opposite side is
             e^(-2 sector).
 
@@ -47,9 +87,9 @@ class OutOfContact:
     def factors(
         self, view: View, points: NDArray[np.float64], own_steps: Distances, steps_from: StepsFrom
     ) -> NDArray[np.float64]:
-        """Return the factors of K places, (K,) in (0, 1], for all teammates out of contact.
+        """Return the factors of K candidates, (K,) in (0, 1], for all teammates out of contact.
 
-        ``points`` (K, 2) are the places' rows and columns, ``own_steps`` (K,) their path lengths from this UAV. The
+        ``points`` (K, 2) are the candidates' rows and columns, ``own_steps`` (K,) their path lengths from this UAV. The
         first call must be made in the UAV's start cell.
         """
         left = self.left_by_unheard(view, points)
@@ -66,7 +106,7 @@ class OutOfContact:
         return self.factors(view, points, own_steps, lambda cell: field_from(view, cell).ravel()[cells])
 
     def left_by_unheard(self, view: View, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the factors of K places, (K,) in (0, 1], for teammates never heard, from the sectors alone."""
+        """Return the factors of K candidates, (K,) in (0, 1], for teammates never heard, from the sectors alone."""
         if self._sectors is None:
             self._sectors = Sectors.of(self._briefing, view.cell)
         unheard = self._briefing.team - 1 - len(view.mates)

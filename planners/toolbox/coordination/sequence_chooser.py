@@ -1,7 +1,7 @@
-"""The choice of a place by the best short sequence that begins there, in turn with the linked teammates.
+"""The choice of a candidate by the best short sequence that begins there, in turn with the linked teammates.
 
-A pilot has a :class:`SequenceChooser` and tells it what places there are. The score of a place is the logarithm of the
-value of the best sequence, minus the cost of all that it leaves behind
+A pilot has a :class:`SequenceChooser` and gives it the candidates. The score of a candidate is the logarithm of the
+value of its best sequence, minus the cost of the clusters that remain
 (:mod:`indoor_explorers.planners.toolbox.routing.sequences`).
 """
 
@@ -17,27 +17,26 @@ from indoor_explorers.env.grid.arrays import Cell, Distances, Mask
 from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.policies.view import View
 from indoor_explorers.env.sensing.lidar import lidar_model
-from indoor_explorers.planners.toolbox.coordination.group_members import GroupMember, group_of
 from indoor_explorers.planners.toolbox.coordination.out_of_contact import OutOfContact
 from indoor_explorers.planners.toolbox.information.candidates import UnknownWeight, candidate_views, distances_between
 from indoor_explorers.planners.toolbox.navigation.candidate_pilot import CandidatePilot
-from indoor_explorers.planners.toolbox.navigation.teammates import linked
+from indoor_explorers.planners.toolbox.navigation.teammates import GroupMember, group_of, linked
 from indoor_explorers.planners.toolbox.parameters import (
     DiscountParameters,
     GainParameters,
     GoalBonusParameters,
-    at_least,
+    bounded,
 )
 from indoor_explorers.planners.toolbox.routing.sequences import DecisionProblem, Utility, best_sequences, cost_of_rest
 
-#: Paths between places are searched up to this length in lidar ranges; longer ones are bounded by the path through a
-#: UAV's position.
+#: Paths between candidates are searched up to this length in lidar ranges; longer ones are replaced by the path through
+#: a UAV's cell.
 HOP_RANGES = 4.0
-#: Share of a cluster that must be in view of a place for the cluster to count as seen from there.
+#: Share of a cluster that must be in view of a candidate for the cluster to count as seen from there.
 SEEN = 0.5
 #: A cluster is left to teammates if its factor is less than this share of the largest factor.
 THEIRS = 0.5
-#: Share of a place's gain below which the place has less value, after the choices of other UAVs.
+#: Share of a candidate's gain below which the candidate has less value, after the choices of other UAVs.
 TAKEN = 0.25
 
 #: Returns flat candidate cells, (K,), and which of them are frontier clusters, (K,) bool, from a view and the steps
@@ -47,43 +46,37 @@ Candidates = Callable[[View, Distances], tuple[NDArray[np.int32], Mask]]
 
 @dataclass(frozen=True, kw_only=True)
 class SequenceParameters(GainParameters, DiscountParameters, GoalBonusParameters):
-    """Parameters by which a :class:`SequenceChooser` compares places."""
+    """Parameters by which a :class:`SequenceChooser` compares candidates."""
 
-    decay_length: float = 0.5
+    decay_length: float = bounded(0.5, least=1e-6)
     """Depth inside unknown space over which the weight of an unknown cell falls to 1 / e, in lidar ranges."""
-    power: float = 0.5
-    """Exponent of the view gain: 1 leaves small pockets behind for larger views, 0 prefers the nearest place."""
-    trust: float = 0.5
-    """Factor for every place that a UAV visits before, since the map may differ from expectation, 0 to 1."""
-    order: float = 1.0
+    power: float = bounded(0.5, least=0)
+    """Exponent of the view gain: 1 leaves small pockets behind for larger views, 0 prefers the nearest candidate."""
+    trust: float = bounded(0.5, least=0)
+    """Factor for every candidate that a UAV visits before, since the map may differ from expectation, 0 to 1."""
+    order: float = bounded(1.0, least=0)
     """Weight of the cost of all clusters, per lidar range, against the logarithm of a sequence's value."""
-    latency: float = 3.0
+    latency: float = bounded(3.0, least=0)
     """Weight of the mean waiting time relative to the length in that cost."""
-    certainty: float = 0.5
-    """Share to which a linked teammate's second place counts as seen by it; its third place by the square; 0 to 1."""
-    firsts: int = 8
-    """Number of places with the best sequences for which the cost of the rest is computed."""
-    rest: int = 12
+    certainty: float = bounded(0.5, least=0)
+    """Share of the view from a linked teammate's second candidate that counts as seen; of its third one, the square."""
+    firsts: int = bounded(8, least=1)
+    """Number of candidates with the best sequences for which the cost of the rest is computed."""
+    rest: int = bounded(12, least=0)
     """Most clusters in that cost: those of the UAV's own clusters with the largest discounted gains."""
-
-    def __post_init__(self) -> None:
-        at_least(self, 0.0, "isolation", "power", "discount_rate", "trust", "order", "latency")
-        at_least(self, 0.0, "goal_bonus", "certainty", "rest")
-        at_least(self, 1e-6, "decay_length")
-        at_least(self, 1, "firsts")
 
 
 class SequenceChooser:
-    """Choose the place that a UAV gets in its turn.
+    """Choose the candidate that a UAV gets in its turn.
 
-    Linked UAVs choose one after the other, who has the best choice first; what is in view of a sequence is worth less
-    to those that choose later. Each UAV computes all turns before its own, from the map, cells and goals that all of
-    them know.
+    Linked UAVs choose one after the other, the one with the best choice first; cells in view of a sequence are worth
+    less to UAVs that choose later. Each UAV computes all turns before its own, from the map, cells and goals that all
+    of them know.
 
     Args:
-        pilot: The pilot that flies to the places.
-        parameters: How places are compared.
-        candidates: Returns the places that there are.
+        pilot: The pilot that flies to the candidates.
+        parameters: How candidates are compared.
+        candidates: Returns the candidates of a decision.
 
     """
 
@@ -95,23 +88,23 @@ class SequenceChooser:
         """The factors for teammates out of contact."""
 
     def choose(self, view: View) -> Cell | None:
-        """Return the place that this UAV gets; None if it can reach none."""
+        """Return the candidate that this UAV gets; None if it can reach none."""
         members = self.members(view)
         me = next(k for k, member in enumerate(members) if member.agent == self._pilot.briefing.agent)
         problem = self.decision_problem(view, members)
         if not (problem.away[me] < UNREACHABLE).any():
             return None
-        place = self.first(problem, me, self.factors(view, problem, me))
-        return divmod(int(problem.cells[place]), self._pilot.paths.width)
+        candidate = self.first(problem, me, self.factors(view, problem, me))
+        return divmod(int(problem.cells[candidate]), self._pilot.paths.width)
 
     def members(self, view: View) -> list[GroupMember]:
         """Return this UAV and its linked teammates, by number."""
         return group_of(GroupMember(self._pilot.briefing.agent, view.cell, self._pilot.goal), linked(view))
 
     def first(self, problem: DecisionProblem, me: int, factors: NDArray[np.float64]) -> int:
-        """Return the index of the place that UAV ``me`` gets, after the turns of all UAVs with a better choice.
+        """Return the index of the candidate that UAV ``me`` gets, after the turns of all UAVs with a better choice.
 
-        ``factors`` (K,) are those of the places for teammates out of contact.
+        ``factors`` (K,) are the candidates' factors for teammates out of contact.
         """
         parameters, left, waiting = self._parameters, problem.gains, list(range(len(problem.away)))
         while True:
@@ -126,7 +119,7 @@ class SequenceChooser:
     def sequence(
         self, problem: DecisionProblem, uav: int, gains: NDArray[np.float64], factors: NDArray[np.float64]
     ) -> NDArray[np.int64]:
-        """Return a UAV's sequence, (3,) indices, -1 after its end, for what is left of (K,) ``gains``."""
+        """Return a UAV's sequence, (3,) indices, -1 after its end, for the remaining (K,) ``gains``."""
         parameters = self._parameters
         values, sequences = best_sequences(problem, uav, gains, self._utility)
         values = not_taken(values, gains, factors * problem.gains)
@@ -156,7 +149,7 @@ class SequenceChooser:
         return DecisionProblem(cells, ahead, away, between / reach, gains, shared, hysteresis)
 
     def factors(self, view: View, problem: DecisionProblem, me: int) -> NDArray[np.float64]:
-        """Return the factors of K places for teammates out of contact, (K,)."""
+        """Return the factors of K candidates for teammates out of contact, (K,)."""
         if self._pilot.briefing.team == 1:
             return np.ones(len(problem.cells))
         steps = self._pilot.steps_from(view, view.cell).ravel()[problem.cells]
@@ -174,7 +167,7 @@ class SequenceChooser:
     def _cost(
         self, problem: DecisionProblem, uav: int, first: int, rest: NDArray[np.int64], gains: NDArray[np.float64]
     ) -> float:
-        """Return the cost of the best order that begins with a place and visits the clusters not seen from there."""
+        """Return the cost of the best order that begins with a candidate, through the clusters not seen from there."""
         left = gains * (1.0 - problem.shared[:, first])
         left[first] = gains[first]
         rest = rest[(rest != first) & (problem.shared[rest, first] < SEEN)]
@@ -184,9 +177,9 @@ class SequenceChooser:
 def not_taken(
     values: NDArray[np.float64], left: NDArray[np.float64], gains: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Return the values of (K,) first places, reduced by the share of their gain that linked teammates have taken.
+    """Return the values of (K,) first candidates, reduced by the share of their gain that linked teammates have taken.
 
-    Without this, a UAV flies to its best place by way of a teammate's place, and so follows the teammate. If no place
+    Without this, a UAV flies to its best candidate by way of a teammate's, and so follows the teammate. If no candidate
     has any gain left, the values are unchanged.
     """
     free = values * np.minimum(1.0, left / np.maximum(TAKEN * gains, 1e-300))

@@ -1,1 +1,1 @@
-"""Information gain: what a scan from a cell would newly show, and the candidates that are worth one."""
+"""Information gain: the unknown cells that a scan from a cell may reveal, and the candidates for one."""

@@ -1,7 +1,7 @@
-"""Places to fly to: for each frontier cluster the cell from which most is seen for the way to it.
+"""Viewpoints of frontier clusters: for each cluster, the cell with the largest view gain for the path length.
 
-``frontier-latency`` and ``frontier-predictive`` order these places, and the network of ``dddqn-places`` chooses among
-them.
+``frontier-latency`` and ``frontier-predictive`` order these viewpoints ("places" in the names), and the network of
+``dddqn-places`` chooses among them.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from indoor_explorers.planners.toolbox.parameters import (
     DiscountParameters,
     GainParameters,
     SwitchCostParameters,
-    at_least,
+    bounded,
 )
 
 #: Spacing of the cells of a cluster that are considered, in lidar ranges.
@@ -47,44 +47,39 @@ LEAST = 1e-9
 
 @dataclass(frozen=True, kw_only=True)
 class PlaceParameters(GainParameters, DiscountParameters, SwitchCostParameters):
-    """Parameters by which the places of clusters are found and ordered."""
+    """Parameters by which the viewpoints of clusters are found and ordered."""
 
     discount_rate: float = 2.4
     """Discount rate of gains per lidar range of distance, in the choice of a cluster's cell."""
-    latency: float = 16.0
+    latency: float = bounded(16.0, least=0)
     """Weight of the mean waiting time relative to the length of the order."""
-    worth: float = 0.5
+    worth: float = bounded(0.5, least=0)
     """Exponent of gains as weights of waiting times; 0 weights all clusters equally."""
-    clusters: int = 12
+    clusters: int = bounded(12, least=1)
     """Largest number of clusters in an order: those with the largest discounted gains."""
-
-    def __post_init__(self) -> None:
-        at_least(self, 0.0, "isolation", "discount_rate", "latency", "worth", "switch_cost")
-        at_least(self, 0.01, "decay_length")
-        at_least(self, 1, "clusters")
 
 
 class PlaceCells(NamedTuple):
-    """The cells of K clusters that a UAV could fly to."""
+    """The possible viewpoints of K clusters."""
 
     clusters: Clusters
-    """All K clusters, those out of reach too."""
+    """All K clusters, unreachable ones included."""
     away: Distances
     """(K,) steps to the nearest cell of each cluster, ``UNREACHABLE`` without a known path."""
     cells: NDArray[np.int32]
-    """(L,) flat cells of clusters, a few of each, that can be reached and are not near a banned goal."""
+    """(L,) flat cells of clusters, a sample of each, that are reachable and not near a banned goal."""
     owner: NDArray[np.int64]
     """(L,) numbers of their clusters, in ascending order."""
     steps: Distances
     """(L,) steps to them."""
 
-    def those(self, chosen: Mask) -> PlaceCells:
+    def selected(self, chosen: Mask) -> PlaceCells:
         """Return the cells that an (L,) mask selects, with all clusters."""
         return self._replace(cells=self.cells[chosen], owner=self.owner[chosen], steps=self.steps[chosen])
 
 
 class ClusterPlaces:
-    """Find the places of one UAV.
+    """Find the viewpoints of one UAV.
 
     Args:
         pilot: The pilot that flies to them.
@@ -104,7 +99,7 @@ class ClusterPlaces:
         self._switch_cost = parameters.switch_cost
 
     def found(self, view: View) -> PlaceCells:
-        """Return the L cells of K clusters that the UAV could fly to, as it sees the (H, W) belief of its view."""
+        """Return the L possible viewpoints of the K clusters of a view's (H, W) belief."""
         clusters = frontier_clusters(view.belief, self._lidar)
         field = self._pilot.steps_from(view, view.cell)
         nearest, away = nearest_cells(field, clusters)
@@ -132,7 +127,7 @@ def log_gains(gains: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def waiting_weights(gains: NDArray[np.float64], worth: float) -> NDArray[np.float64]:
-    """Return the weights of the waiting times of (K,) places, their gains to the power ``worth``, (K,)."""
+    """Return the weights of the waiting times at (K,) viewpoints, their gains to the power ``worth``, (K,)."""
     return np.asarray(np.maximum(gains, LEAST) ** worth)
 
 

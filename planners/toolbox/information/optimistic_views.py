@@ -1,4 +1,4 @@
-"""What each cell of a small map shows and where one can go from it, taking unknown cells for free and transparent.
+"""Views from, and paths between, all cells of a small map, with unknown cells taken as free and transparent.
 
 Views are sets of cells (:mod:`indoor_explorers.env.search.bitsets`) and are kept up to date as obstacles are found: an
 unknown cell that turns out to be free changes nothing. Cell (r, c) has number ``stride`` r + c; the stride is the map's
@@ -17,7 +17,7 @@ from indoor_explorers.env.search.bfs import flood_table
 from indoor_explorers.env.search.bitsets import Bits, holds, insert
 from indoor_explorers.env.sensing.lidar import LidarModel, Scan, lidar_model, new_scan, visible_cells
 
-#: Steps up to which views are joined; what takes longer counts as this far.
+#: Steps up to which views are joined; larger distances count as this many steps.
 FARTHEST = 40
 #: In an array of obstacles, a cell of which nothing is noted yet.
 NOT_NOTED = 255
@@ -65,9 +65,10 @@ def update_views(
 ) -> bool:
     """Bring views and neighbours up to date with the obstacles of a (H, W) belief; return whether those have changed.
 
-    ``views`` (C, W) uint64 holds what is visible from each cell, nothing from an obstacle, and ``neighbours`` (C, 4)
-    int32 its neighbours that are no obstacles, -1 for none. ``obstacles`` (H, W) uint8 keeps those noted before, at
-    first ``NOT_NOTED``; ``stale``, as large at least, is scratch. ``reach`` is more than the lidar's range in cells.
+    ``views`` (C, W) uint64 holds the cells visible from each cell, none from an obstacle, and ``neighbours`` (C, 4)
+    int32 its neighbours that are no obstacles, -1 for none. ``obstacles`` (H, W) uint8 keeps the obstacles noted
+    before, at first ``NOT_NOTED``; ``stale``, as large at least, is scratch. ``reach`` is more than the lidar's range
+    in cells.
     """
     if not _note_obstacles(belief, reach, obstacles, stale):
         return False
@@ -89,7 +90,7 @@ def update_views(
 def attainable(
     start: int, views: np.ndarray, neighbours: np.ndarray, queue: np.ndarray, steps: np.ndarray, out: np.ndarray
 ) -> None:
-    """Write into ``out`` (W,) what can be seen from all cells that can be reached from ``start``.
+    """Write into ``out`` (W,) the cells visible from any cell that is reachable from ``start``.
 
     ``queue`` and ``steps``, (C,) int32, are scratch.
     """
@@ -103,7 +104,7 @@ def attainable(
 
 @kernel()
 def _join(views: np.ndarray, neighbours: np.ndarray, within: np.ndarray) -> None:
-    """Fill ``within`` (D, C, W): what a UAV can have seen d steps from a cell, were all unknown cells free."""
+    """Fill ``within`` (D, C, W): the cells that a UAV can have seen d steps from a cell."""
     within[0] = views
     for d in range(1, within.shape[0]):
         for cell in range(views.shape[0]):
@@ -126,16 +127,16 @@ def _first_steps(within: np.ndarray, cell: int) -> np.ndarray:
 
 
 class OptimisticViews:
-    """What one pilot's map of C = H*W cells, W words a set, would show if all unknown cells were free."""
+    """The views on one pilot's map of C = H*W cells, in sets of W words, if all unknown cells were free."""
 
     def __init__(self, shape: tuple[int, int], lidar_range: float) -> None:
         cells, words = shape[0] * shape[1], -(-shape[0] * shape[1] // 64)
         self.views: NDArray[np.uint64] = np.zeros((cells, words), np.uint64)
-        """(C, W) what is visible from each cell."""
+        """(C, W) the cells visible from each cell."""
         self.neighbours = np.full((cells, 4), -1, np.int32)
         """(C, 4) neighbours that may be free, -1 for none."""
         self.views_within: NDArray[np.uint64] = np.zeros((min(sum(shape), FARTHEST), cells, words), np.uint64)
-        """(D, C, W) what can have been seen d steps from each cell."""
+        """(D, C, W) the cells that can have been seen d steps from each cell."""
         self._lens = lidar_model(float(lidar_range))
         self._scan = new_scan(self._lens)
         self._reach, self._stride = int(lidar_range) + 1, shape[1]
@@ -143,7 +144,7 @@ class OptimisticViews:
         self._queue, self._steps = np.empty(cells, np.int32), np.empty(cells, np.int32)
 
     def update(self, belief: Belief) -> bool:
-        """Take note of a (H, W) belief; return whether it showed new obstacles, or is the first."""
+        """Update the views for a (H, W) belief; return whether it has new obstacles, or is the first."""
         changed = update_views(
             belief,
             self._stride,
@@ -160,11 +161,11 @@ class OptimisticViews:
         return bool(changed)
 
     def attainable(self, cell: int) -> Bits:
-        """Return what can still be seen by a UAV in a flat cell, however long it takes, (W,)."""
+        """Return the cells that a UAV in a flat cell can still see, however long it takes, (W,)."""
         out = np.empty(self.views.shape[1], np.uint64)
         attainable(cell, self.views, self.neighbours, self._queue, self._steps, out)
         return out
 
     def first_steps(self, cell: int) -> NDArray[np.int32]:
-        """Return after how many steps from a flat cell each cell can be seen at the earliest, (C,)."""
+        """Return the fewest steps from a flat cell after which each cell can be seen, (C,)."""
         return np.asarray(_first_steps(self.views_within, cell))

@@ -43,7 +43,7 @@ def unclaimed_gains(
 
 
 @kernel()
-def _visible_sets(belief: np.ndarray, cells: np.ndarray, lidar: LidarModel) -> tuple[np.ndarray, int]:
+def _visible_sets(belief: np.ndarray, cells: np.ndarray, lidar: LidarModel) -> np.ndarray:
     width = belief.shape[1]
     scan = new_scan(lidar)
     number = np.full(belief.size, -1, np.int64)
@@ -63,7 +63,7 @@ def _visible_sets(belief: np.ndarray, cells: np.ndarray, lidar: LidarModel) -> t
     for k in range(cells.shape[0]):
         for place in range(sizes[k]):
             bits[k, lists[k, place] // 64] |= np.uint64(1) << np.uint64(lists[k, place] % 64)
-    return bits, total
+    return bits
 
 
 def visible_sets(belief: Belief, cells: NDArray[np.int32], lidar_range: float) -> NDArray[np.uint64]:
@@ -71,7 +71,7 @@ def visible_sets(belief: Belief, cells: NDArray[np.int32], lidar_range: float) -
 
     Unknown cells are numbered in the order in which they are found; the bitwise or of sets is a joint view.
     """
-    return np.asarray(_visible_sets(belief, cells, lidar_model(float(lidar_range)))[0])
+    return np.asarray(_visible_sets(belief, cells, lidar_model(float(lidar_range))))
 
 
 #: Half width of the square around an unknown cell in which known cells make it isolated.
@@ -114,7 +114,7 @@ def _weighted(
 
 @kernel(entry=False)
 def _bring_up_to_date(old: np.ndarray, new: np.ndarray) -> tuple[int, int, int, int]:
-    """Copy ``new`` to ``old``; return the box around what has changed as rows and columns, the ends excluded."""
+    """Copy ``new`` to ``old``; return the box around the changed cells as rows and columns, the ends excluded."""
     top, bottom, left, right = new.shape[0], 0, new.shape[1], 0
     for r in range(new.shape[0]):
         for c in range(new.shape[1]):

@@ -1,25 +1,27 @@
-"""Deadlock resolution: what a UAV does when a teammate is in its way.
+"""Deadlock resolution: detours and retreats of a UAV when a teammate is in its way.
 
 Teammates are not in the map, and without radio a UAV does not know of them: the only sign is a move that failed. This
 also happens in a convoy, so the first failed move is ignored. From the second one on the UAV decides at random to
-repeat the move or to make way: by a detour if that is not much longer, else by a retreat to a passing place, where it
-waits about as many steps as the path there had; from a crossing it retreats in any direction. A UAV with no passing
-place in reach usually retries its move; the others can yield. The longest reach of a retreat doubles each time that
-one soon follows another, so of two UAVs head-on in a corridor one leaves it in the end, however long the corridor is.
-The reach itself is random, so that small jams are resolved nearby. Each UAV draws from its own generator.
+repeat the move or to make way: by a detour if that is not much longer, else by a retreat to a passing place (a cell
+with at least three free neighbours), where it waits about as many steps as the path there had; from a crossing it
+retreats in any direction. A UAV with no passing place in reach usually retries its move; the others can yield. The
+longest reach of a retreat doubles each time that one soon follows another, so of two UAVs head-on in a corridor one
+leaves it in the end, however long the corridor is. The reach itself is random, so that small jams are resolved nearby.
+Each UAV draws from its own generator.
 
 :mod:`indoor_explorers.learners.guard` resolves deadlocks of learned policies, which have neither goals nor paths.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 
-from indoor_explorers.env.grid.arrays import Cell
-from indoor_explorers.env.grid.cells import MOVES, Action
+from indoor_explorers.env.grid.arrays import Belief, Cell, Mask
+from indoor_explorers.env.grid.cells import FREE, MOVES, Action
 from indoor_explorers.env.policies.view import View
-from indoor_explorers.planners.toolbox.navigation.passing_places import passing_places, path_to_passing_place
-from indoor_explorers.planners.toolbox.navigation.paths import Paths
+from indoor_explorers.planners.toolbox.navigation.paths import Paths, without
 
 #: Consecutive failed moves before a UAV may make way.
 PATIENCE = 2
@@ -31,11 +33,36 @@ MEMORY = 4
 WAIT_FACTOR, LONGEST_WAIT = 2, 6
 #: Probability that a UAV without a passing place retreats anyway, and the most steps that it then waits.
 BACK_OFF, SHORT_WAIT = 0.1, 4
+#: Number of nearest passing places that one is drawn from; the very nearest may be the mouth of the corridor itself.
+CHOICE = 12
 
 
 def target_of(cell: Cell, action: int) -> Cell:
     """Return the cell that an action leads to."""
     return cell[0] + int(MOVES[action, 0]), cell[1] + int(MOVES[action, 1])
+
+
+def passing_places(belief: Belief) -> Mask:
+    """Return which cells of a (H, W) belief are free and have three free 4-neighbours or more, (H, W) bool."""
+    free = np.pad(belief == FREE, 1).astype(np.int8)
+    around = free[:-2, 1:-1] + free[2:, 1:-1] + free[1:-1, :-2] + free[1:-1, 2:]
+    return np.asarray((around >= 3) & (free[1:-1, 1:-1] > 0))
+
+
+def path_to_passing_place(
+    paths: Paths, belief: Belief, cell: Cell, reach: int, rng: np.random.Generator, barred: Iterable[Cell] = ()
+) -> list[Cell] | None:
+    """Return a path to one of the nearest passing places at most ``reach`` steps from ``cell``; None if there is none.
+
+    ``belief`` is (H, W). The path is a list of (row, column) and avoids the cells of ``barred``.
+    """
+    barred = list(barred)
+    steps = paths.field(without(belief, barred), cell)
+    found = np.flatnonzero(passing_places(belief) & (steps > 0) & (steps <= reach))
+    if len(found) == 0:
+        return None
+    nearest = found[np.argsort(steps.ravel()[found], kind="stable")[:CHOICE]]
+    return paths.to(belief, cell, divmod(int(rng.choice(nearest)), paths.width), barred)
 
 
 class DeadlockResolver:

@@ -34,7 +34,7 @@ from indoor_explorers.env.search.frontiers import on_frontier
 from indoor_explorers.env.sensing.inverse_model import HIT
 from indoor_explorers.planners.toolbox.navigation.navigator import Navigator
 
-#: How sure obstacles are that are doubted when nothing else is left, in log-odds: less sure ones first.
+#: Log-odds up to which obstacles are doubted when no other goal is left, in turn.
 DOUBTED = (4 * HIT, 16 * HIT, 64 * HIT)
 
 
@@ -122,7 +122,7 @@ class GoalPilot(Pilot):
         self.done = goal is None
 
     def _beside_doubtful(self, view: View, log_odds: NDArray[np.float32]) -> Cell | None:
-        """Return a goal beside an obstacle that few readings speak for; None if there is none."""
+        """Return a goal beside an obstacle of low log-odds; None if there is none."""
         for most in DOUBTED:
             belief = np.where((view.belief == OCCUPIED) & (log_odds <= most), UNKNOWN, view.belief)
             goal = self.choose(view._replace(belief=belief))

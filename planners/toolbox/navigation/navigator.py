@@ -46,7 +46,7 @@ class Navigator:
         self.map_grew = False
         """Whether the map has changed since the last step: cells have become known, or are known better."""
         self.known = -1
-        """What :func:`~.paths.map_stamp` gave for the map: an equal number means an unchanged map."""
+        """The :func:`~.paths.map_stamp` of the map: an equal number means an unchanged map."""
         self.recent: list[Cell] = []
         """The cells of the last four steps, the current one last."""
         self.given_up = 0

@@ -1,7 +1,7 @@
 """Breadth-first searches for shortest paths: to a goal, within a number of steps, and between all of some cells.
 
-Cells are flat indices (row * width + column). Each search has a number of its own, so that what it has reached needs no
-clearing before the next one. ``blocked`` lists flat cells that a search must not enter, such as the cell of a teammate.
+Cells are flat indices (row * width + column). Each search has a number of its own, so that its marks need no clearing
+before the next one. ``blocked`` lists flat cells that a search must not enter, such as the cell of a teammate.
 """
 
 from __future__ import annotations
@@ -157,7 +157,8 @@ def fill_distances(
 ) -> None:
     """Replace the negative entries of ``steps`` (K, K) by the steps between (K,) flat cells.
 
-    Makes searches ``number`` to ``number + K - 1``, those that lack most first; each stops when it has what it lacks.
+    Makes searches ``number`` to ``number + K - 1``, the cells with most missing entries first; each stops when its
+    entries are complete.
     """
     count = cells.shape[0]
     waiting, reached = np.zeros(belief.size, np.int32), np.zeros(count, np.bool_)
@@ -172,7 +173,7 @@ def fill_distances(
             if steps[k, j] < 0:
                 steps[k, j] = steps[j, k] = buffers.parent[cells[j]] if reached[j] else UNREACHABLE
                 exhausted |= not reached[j]
-        if exhausted:  # what is out of reach from here is so from wherever this search got to
+        if exhausted:  # cells out of reach from here are so from every cell that this search reached
             for i in range(count):
                 for j in range(count):
                     if reached[i] and not reached[j] and steps[i, j] < 0:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from math import hypot, inf
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,7 +59,7 @@ def message_of(goal: Cell | None) -> Message:
     return (float(goal[0]), float(goal[1])) if goal else None
 
 
-def told_goal(mate: Mate) -> Cell | None:
+def sent_goal(mate: Mate) -> Cell | None:
     """Return the goal in a teammate's message; None if it has none or the message is too old.
 
     A message's first two numbers are the goal, negative for none. Goals expire, so that a lost UAV does not keep
@@ -72,8 +73,8 @@ def told_goal(mate: Mate) -> Cell | None:
 
 def claims(view: View, briefing: Briefing) -> NDArray[np.float64]:
     """Return the recent goals of the remembered teammates, (M, 2) rows and columns."""
-    told = [goal for mate in remembered(view, briefing) if (goal := told_goal(mate)) is not None]
-    return np.array(told, np.float64).reshape(-1, 2)
+    sent = [goal for mate in remembered(view, briefing) if (goal := sent_goal(mate)) is not None]
+    return np.array(sent, np.float64).reshape(-1, 2)
 
 
 def linked(view: View) -> list[Mate]:
@@ -83,16 +84,29 @@ def linked(view: View) -> list[Mate]:
 
 def whereabouts(mate: Mate) -> Cell:
     """Return the cell around which a teammate probably works: its recent goal, else its last received cell."""
-    return told_goal(mate) or mate.cell
+    return sent_goal(mate) or mate.cell
 
 
-def ranks(own: NDArray[np.int32], others: Sequence[NDArray[np.int32]], first: Sequence[bool]) -> NDArray[np.int64]:
-    """Return, for each of K places, how many UAVs rank before this one, (K,): the ranks of Bautin et al. 2012.
+def ranks(own: NDArray[Any], others: Sequence[NDArray[Any]], first: Sequence[bool]) -> NDArray[np.int64]:
+    """Return, for each of K candidates, how many UAVs rank before this one, (K,): the ranks of Bautin et al. 2012.
 
     ``own`` and each of ``others`` are (K,) distances in steps; ``first`` tells which of the others go
-    first at equal distance. Unreachable places rank last.
+    first at equal distance. Unreachable candidates rank last.
     """
     rank = np.where(own < UNREACHABLE, 0, len(others) + 1)
     for steps, wins in zip(others, first, strict=True):
         rank += (steps <= own) if wins else (steps < own)
     return rank
+
+
+class GroupMember(NamedTuple):
+    """One UAV of a group, as the others know it."""
+
+    agent: int
+    cell: Cell
+    goal: Cell | None
+
+
+def group_of(own: GroupMember, mates: Iterable[Mate]) -> list[GroupMember]:
+    """Return a UAV and its teammates, with their recent goals, by number."""
+    return sorted([own, *(GroupMember(mate.agent, mate.cell, sent_goal(mate)) for mate in mates)])

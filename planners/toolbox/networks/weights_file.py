@@ -1,8 +1,8 @@
 """Weights files: one format for the networks of all planners and learners.
 
 A file holds a network's arrays by name (safetensors, float32 or float16) and in its metadata, under ``about``, a JSON
-object with what else flying the network needs. A network declares the shapes of its arrays; a file that holds others is
-refused.
+object with the metadata for flying the network. A network declares the shapes of its arrays; a file that holds others
+is refused.
 """
 
 from __future__ import annotations
@@ -32,9 +32,9 @@ class WeightsFile(NamedTuple):
 
     path: Path
     network: str
-    """What messages call the network that it should hold."""
+    """Name of the expected network in error messages."""
     about: dict[str, Any]
-    """What flying the network needs besides arrays; empty in files without metadata."""
+    """Metadata for flying the network; empty in files without metadata."""
     arrays: dict[str, NDArray[Any]]
     """The arrays by name."""
 
@@ -48,8 +48,8 @@ class WeightsFile(NamedTuple):
         try:
             return by(self.about)
         except (KeyError, TypeError, ValueError) as error:
-            told = f"a description that this version does not know ({' '.join(repr(error).split())})"
-            raise self._refusal("with its description", told) from error
+            got = f"a description that this version does not know ({' '.join(repr(error).split())})"
+            raise self._refusal("with its description", got) from error
 
     def checked(self, shapes: Mapping[str, tuple[int, ...]]) -> dict[str, NDArray[np.float32]]:
         """Return the arrays as float32, in the order of ``shapes``.
@@ -61,9 +61,9 @@ class WeightsFile(NamedTuple):
         for name, shape in shapes.items():
             array = self.arrays.get(name)
             if array is None or array.shape != shape or array.dtype.kind != "f":
-                raise self._refusal(f"with {name!r} of shape {shape}", _told(array))
+                raise self._refusal(f"with {name!r} of shape {shape}", _described(array))
         if more := sorted(self.arrays.keys() - shapes.keys()):
-            raise self._refusal(f"without {more[0]!r}", _told(self.arrays[more[0]]))
+            raise self._refusal(f"without {more[0]!r}", _described(self.arrays[more[0]]))
         return {name: np.ascontiguousarray(self.arrays[name], np.float32) for name in shapes}
 
     def _refusal(self, wanted: str, got: str) -> InputError:
@@ -73,14 +73,14 @@ class WeightsFile(NamedTuple):
         )
 
 
-def _told(array: NDArray[Any] | None) -> str:
+def _described(array: NDArray[Any] | None) -> str:
     return "none" if array is None else f"{array.dtype} of shape {array.shape}"
 
 
 def write_weights_file(
     path: Path, arrays: Mapping[str, NDArray[Any]], about: Mapping[str, Any], *, half: bool = False
 ) -> None:
-    """Write a network's arrays, and what else flying it needs, atomically.
+    """Write a network's arrays and metadata atomically.
 
     ``half`` stores float16: half the size, numbers rounded to three digits.
     """
@@ -90,16 +90,16 @@ def write_weights_file(
 
 
 def read_weights_file(path: Path, network: str) -> WeightsFile:
-    """Return the content of a weights file; ``network`` is what messages call the one that it should hold.
+    """Return the content of a weights file; ``network`` is the name of the expected network in error messages.
 
     Raises:
         InputError: the file is missing, too large, not a safetensors file, or damaged.
 
     """
     arrays, metadata = read_tensors(path, MOST_BYTES)
-    told = metadata.get(ABOUT, metadata.get(FORMER_ABOUT, "{}"))
+    about = metadata.get(ABOUT, metadata.get(FORMER_ABOUT, "{}"))
     file = WeightsFile(path, network, {}, arrays)
-    return file._replace(about=file.described(lambda _: dict(json.loads(told))))
+    return file._replace(about=file.described(lambda _: dict(json.loads(about))))
 
 
 def read_once(load: Callable[[Path], _T]) -> Callable[[Path], _T]:

@@ -1,7 +1,7 @@
 """Estimates of how much unknown free space is behind each frontier cluster, from one UAV's map.
 
-A small network (:mod:`.network`) looks at the map around a cluster (:mod:`.features`) and tells how likely more than t
-unknown free cells are behind it, for several t. Planners and learners use the same estimates.
+A small network (:mod:`.network`) looks at the map around a cluster (:mod:`.features`) and estimates the
+probability of more than t unknown free cells behind it, for several t. Planners and learners use the same estimates.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ _MEAN = mean_weights()
 
 
 def estimates_from(found: NDArray[np.float32]) -> PocketEstimates:
-    """Return the estimates that the network's outputs (K, OUTPUTS) stand for."""
+    """Return the estimates from the network's outputs (K, OUTPUTS)."""
     tails = 1.0 / (1.0 + np.exp(-found[:, :-1].astype(np.float64)))
     tails = np.minimum.accumulate(tails, axis=1)
     depths = np.expm1(np.clip(found[:, -1], 0.0, 10.0).astype(np.float64))
@@ -76,7 +76,7 @@ def load_weights(path: Path) -> NetworkWeights:
 
 
 class PocketEstimator:
-    """Estimate the pockets behind the clusters of one UAV's map, step by step; what looks the same is kept.
+    """Estimate the pockets behind the clusters of one UAV's map; estimates of unchanged surroundings are reused.
 
     Args:
         lidar_range: Lidar range in cells.

@@ -1,4 +1,4 @@
-"""What the pocket network sees of a frontier cluster: two square pictures of the map around it, and two numbers.
+"""Inputs of the pocket network for a frontier cluster: two square pictures of the map around it, and two numbers.
 
 The pictures are centred on the mean of the cluster's cells. The fine one has ``SIDE`` x ``SIDE`` cells, the coarse one
 ``SIDE`` x ``SIDE`` blocks of ``BLOCK`` x ``BLOCK`` cells. Off the map counts as occupied.
@@ -29,7 +29,7 @@ NEAR, FADE = 16, 6.0
 
 
 class Pictures(NamedTuple):
-    """What the network sees of K clusters."""
+    """Inputs of the network for K clusters."""
 
     fine: NDArray[np.uint8]
     """(K, FINE_LAYERS, SIDE, SIDE): 0 or 1, the last layer 0 to 255."""
@@ -141,7 +141,7 @@ def _pictures(belief: np.ndarray, cells: np.ndarray, ends: np.ndarray, fine: np.
 
 
 def pictures(belief: Belief, clusters: Clusters, lidar_range: float) -> Pictures:
-    """Return what the network sees of each of K clusters of a (H, W) belief."""
+    """Return the inputs of the network for each of K clusters of a (H, W) belief."""
     count = clusters.size
     fine = np.zeros((count, FINE_LAYERS, SIDE, SIDE), np.uint8)
     coarse = np.zeros((count, COARSE_LAYERS, SIDE, SIDE), np.uint8)

@@ -1,6 +1,6 @@
-"""What is truly behind each frontier cluster: the labels that the pocket network learns from.
+"""True pockets, the unknown free cells behind each frontier cluster: the labels that the pocket network learns from.
 
-The free cells that a UAV does not know yet, and can reach, are parted among the frontier clusters that it can reach: a
+The free cells that a UAV does not know yet, and can reach, are divided among the frontier clusters that it can reach: a
 cell belongs to the cluster from which it is reached first, through cells that are not known or not reached yet.
 """
 
@@ -18,7 +18,7 @@ from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters
 
 
 class Pockets(NamedTuple):
-    """What is behind each of K frontier clusters; zero behind one that cannot be reached."""
+    """The pockets behind K frontier clusters; zero behind one that cannot be reached."""
 
     sizes: NDArray[np.float64]
     """(K,) number of unknown free cells."""

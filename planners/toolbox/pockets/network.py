@@ -1,7 +1,7 @@
 """The network that estimates pocket sizes, compiled: cell by cell, with a fixed order of additions.
 
 Estimates are the same, bit for bit, in any batch, process and engine, and flying needs no torch. The layers are those
-of :class:`indoor_explorers.learners.pockets.model.PocketNet`; tests compare the two.
+of :class:`indoor_explorers.learners.pockets.learning.PocketNet`; tests compare the two.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""Outlook: which frontier clusters probably lead to something, and which can wait, from estimated pockets.
+"""Outlook: which frontier clusters probably lead to unknown free cells, and which can wait, from estimated pockets.
 
-A UAV that aims at 99 % may leave 1 % unknown. Clusters that cost most steps for each cell that they probably hide are
-deferred, as long as all deferred ones together probably hide no more than what may stay unknown of the cells found so
-far. What may stay unknown of the whole map would be used up early, and be missing later.
+A UAV that aims at 99 % may leave 1 % unknown. Clusters with the most steps per expected cell are deferred, as long as
+the expected cells of all deferred ones are no more than the allowance: 1 % of the cells found so far. An allowance of
+1 % of the whole map would be used up early, and be missing later.
 """
 
 from __future__ import annotations
@@ -17,12 +17,13 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import Distances, Mask
 from indoor_explorers.env.policies.view import Briefing
 from indoor_explorers.env.provenance import recorded_maps
+from indoor_explorers.planners.toolbox.parameters import Parameters, bounded
 from indoor_explorers.planners.toolbox.pockets.estimates import SHIPPED, PocketEstimates
 from indoor_explorers.planners.toolbox.pockets.network import THRESHOLDS
 
 
 class EstimateUser:
-    """What a policy that uses the estimates tells of them."""
+    """Provenance of the estimates, for the policies that use them."""
 
     def provenance(self) -> dict[str, str]:
         """Return a hash of the estimates' weights."""
@@ -34,23 +35,23 @@ class EstimateUser:
 
 
 @dataclass(frozen=True, kw_only=True)
-class OutlookParameters:
+class OutlookParameters(Parameters):
     """Parameters of the outlook."""
 
-    skip: float = 0.75
-    """Most cells that deferred clusters may hide together, as a share of those that may stay unknown."""
-    risk: float = 0.1
-    """Largest probability that a deferred cluster hides more than a quarter of them; coming back for it is dear."""
-    visit: float = 3.0
-    """Steps that a visit costs besides the way to the cluster, in lidar ranges."""
-    near: int = 2
+    skip: float = bounded(0.75, least=0)
+    """Most expected cells of all deferred clusters, as a share of the cells that may stay unknown."""
+    risk: float = bounded(0.1, least=0)
+    """Largest probability that a deferred cluster hides over a quarter of the cells that may stay unknown."""
+    visit: float = bounded(3.0, least=0)
+    """Steps that a visit costs besides the path to the cluster, in lidar ranges."""
+    near: int = bounded(2, least=0)
     """Steps within which a cluster is never deferred."""
-    aim: float = 0.99
+    aim: float = bounded(0.99, least=0)
     """Coverage to reach as soon as possible; the scenario's goal if that is lower."""
 
 
 class Outlook(NamedTuple):
-    """What to expect of K clusters."""
+    """Expectation for K clusters."""
 
     deferred: Mask
     """(K,) bool, whether the cluster can wait until no others are left."""
@@ -59,7 +60,7 @@ class Outlook(NamedTuple):
 
 
 class ClusterJudge:
-    """Tell the outlook of one UAV's clusters from what is estimated behind them."""
+    """Compute the outlook of one UAV's clusters from the estimates."""
 
     def __init__(self, briefing: Briefing, parameters: OutlookParameters) -> None:
         self._parameters = parameters

@@ -1,7 +1,7 @@
 """Local search on visiting orders, for objectives that depend on the times of arrival.
 
 :mod:`~indoor_explorers.planners.toolbox.routing.min_latency` and
-:mod:`~indoor_explorers.planners.sampling.discounted_tours` describe the objectives. Tours whose cost is their length
+:mod:`~indoor_explorers.planners.sampling.prm_tour` describe the objectives. Tours whose cost is their length
 have a search of their own (:mod:`~indoor_explorers.planners.toolbox.routing.open_tours`), which adds up differences
 instead of whole costs.
 """
@@ -104,7 +104,7 @@ def improve(
 ) -> float:
     """Improve an ``order`` (L,) of some of K places in place, keeping its first place; return its cost.
 
-    The other arrays are those of :func:`cost_of`.
+    The other arrays are as in :func:`cost_of`.
     """
     count = order.shape[0]
     cost = cost_of(order, start, between, weights, objective)

@@ -8,7 +8,6 @@ latency problem (A. Blum et al., STOC 1994, doi:10.1145/195058.195125).
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.planners.toolbox.routing.local_search import Objective, SearchSettings, by_nearest, improve
@@ -37,7 +36,12 @@ def improved_cost(
 def best_orders(
     start: np.ndarray, between: np.ndarray, shares: np.ndarray, latency: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the costs of :func:`costs_of_first`, (K,), and each place's position in the best of these orders, (K,)."""
+    """Return the costs of the best orders found that begin at each of K places, and the best of these orders.
+
+    ``start`` (K,) are the distances from the UAV, ``between`` (K, K) those between the places. The weights ``shares``
+    (K,) add up to one; ``latency`` is the weight of the mean waiting time relative to the length. The costs are (K,);
+    the order is returned as each place's position in it, (K,).
+    """
     count = start.shape[0]
     costs, positions, best = np.empty(count), np.zeros(count, np.int64), np.inf
     for first in range(count):
@@ -48,14 +52,3 @@ def best_orders(
             for k in range(count):
                 positions[order[k]] = k
     return costs, positions
-
-
-def costs_of_first(
-    start: NDArray[np.float64], between: NDArray[np.float64], shares: NDArray[np.float64], latency: float
-) -> NDArray[np.float64]:
-    """Return for each of K places the cost of the best order found that begins there, (K,).
-
-    ``start`` (K,) are the distances from the UAV, ``between`` (K, K) those between the places. The weights ``shares``
-    (K,) add up to one; ``latency`` is the weight of the mean waiting time relative to the length.
-    """
-    return np.asarray(best_orders(start, between, shares, latency)[0])

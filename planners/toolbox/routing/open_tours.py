@@ -159,11 +159,6 @@ def _float(costs: Costs) -> NDArray[np.float64]:
     return np.ascontiguousarray(costs, np.float64)
 
 
-def tour_length(costs: Costs, order: Order) -> float:
-    """Return the cost of visiting places in an order."""
-    return float(_length(_float(costs), order))
-
-
 def nearest_neighbour(costs: Costs, first: int = 0) -> Order:
     """Return the nearest-neighbour order: the nearest unvisited place comes next, the first among equals."""
     return np.asarray(_nearest_neighbour(_float(costs), first))
@@ -176,22 +171,10 @@ def improved(costs: Costs, order: Order) -> Order:
     return better
 
 
-def open_tour(costs: Costs, first: int = 0, restarts: int = 0, rng: np.random.Generator | None = None) -> Order:
-    """Return a short order of all K places that begins with ``first``: nearest neighbour, then improved.
-
-    Each of the ``restarts`` cuts the best order found so far at random places from ``rng``, exchanges the two middle
-    pieces and improves the result (the double bridge of Martin, Otto & Felten 1991).
-    """
+def open_tour(costs: Costs, first: int = 0) -> Order:
+    """Return a short order of all K places that begins with ``first``: nearest neighbour, then improved."""
     costs = _float(costs)
-    best = improved(costs, nearest_neighbour(costs, first))
-    if rng is None or len(best) < 4:
-        return best
-    for _ in range(restarts):
-        a, b, c = np.sort(rng.choice(len(best), 3, replace=False) + 1).tolist()
-        other = improved(costs, np.concatenate([best[:a], best[b:c], best[a:b], best[c:]]))
-        if _length(costs, other) < _length(costs, best) - ROUNDING:
-            best = other
-    return best
+    return improved(costs, nearest_neighbour(costs, first))
 
 
 def shared_out(costs: Costs, starts: int) -> Order:

@@ -1,8 +1,8 @@
-"""The utility of a place as the next goal: the best short sequence that begins there, and the cost of the rest.
+"""The utility of a candidate as the next goal: the best short sequence that begins there, and the cost of the rest.
 
-Both use a :class:`DecisionProblem`, the places that a group of UAVs can choose from. The value of a sequence is the sum
-of the gains of its places, discounted by the time of arrival; each view counts once. The search is exhaustive with
-bounds. The rest is ordered as in :mod:`indoor_explorers.planners.toolbox.routing.min_latency`.
+Both use a :class:`DecisionProblem`, the candidates of a group of UAVs. The value of a sequence is the sum of the gains
+of its candidates, discounted by the time of arrival; each view counts once. The search is exhaustive with bounds. The
+rest, the clusters that remain, is ordered as in :mod:`indoor_explorers.planners.toolbox.routing.min_latency`.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.planners.toolbox.routing.local_search import by_nearest
 from indoor_explorers.planners.toolbox.routing.min_latency import improved_cost
 
-#: Largest number of places of a sequence.
+#: Largest number of candidates of a sequence.
 LENGTH = 3
 
 
 class DecisionProblem(NamedTuple):
-    """K places that N UAVs can choose from; distances in lidar ranges, ``UNREACHABLE`` without a path."""
+    """K candidates that N UAVs can choose from; distances in lidar ranges, ``UNREACHABLE`` without a path."""
 
     cells: NDArray[np.int32]
     """(K,) flat cells."""
@@ -32,24 +32,24 @@ class DecisionProblem(NamedTuple):
     away: NDArray[np.float64]
     """(N, K) distances from the UAVs."""
     between: NDArray[np.float64]
-    """(K, K) distances between places."""
+    """(K, K) distances between candidates."""
     gains: NDArray[np.float64]
-    """(K,) view gain of each place."""
+    """(K,) view gain of each candidate."""
     shared: NDArray[np.float64]
     """(K, K) share of the first one's view that the second one sees, too."""
     hysteresis: NDArray[np.float64]
-    """(N, K) factor on the value of a place as a UAV's first."""
+    """(N, K) factor on the value of a candidate as a UAV's first."""
 
 
 class Utility(NamedTuple):
     """Parameters of the value of a visit: (remaining gain)^power e^(-rate t) trust^k."""
 
     power: float
-    """Exponent of the gain that remains after earlier places of the sequence."""
+    """Exponent of the gain that remains after earlier candidates of the sequence."""
     rate: float
     """Discount rate per lidar range flown until arrival."""
     trust: float
-    """Factor for each of the k places before, since the map may differ from expectation."""
+    """Factor for each of the k candidates before, since the map may differ from expectation."""
 
 
 @kernel()
@@ -63,7 +63,7 @@ def _best(
     values: np.ndarray,
     sequences: np.ndarray,
 ) -> None:
-    """Fill what :func:`best_sequences` returns; values are 0 and sequences -1 at first."""
+    """Fill the results of :func:`best_sequences`; values are 0 and sequences -1 at first."""
     count = away.shape[0]
     power, rate, trust = utility
     largest = 0.0
@@ -99,10 +99,10 @@ def _best(
 def best_sequences(
     problem: DecisionProblem, uav: int, gains: NDArray[np.float64], utility: Utility
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Return, for each of K places, a UAV's best sequence of up to three places that begins there, and its value.
+    """Return, for each of K candidates, a UAV's best sequence of up to three that begins there, and its value.
 
-    ``gains`` (K,) are the problem's gains after the teammates' choices. Values are (K,), 0 for unreachable places;
-    sequences (K, 3) hold indices of places, -1 after their end.
+    ``gains`` (K,) are the problem's gains after the teammates' choices. Values are (K,), 0 for unreachable candidates;
+    sequences (K, 3) hold indices of candidates, -1 after their end.
     """
     values, sequences = np.zeros(len(gains)), np.full((len(gains), LENGTH), -1, np.int64)
     hysteresis = problem.hysteresis[uav]
@@ -117,11 +117,11 @@ def _rest(
     count = rest.shape[0] + 1
     start, weight, ways, total = np.empty(count), np.empty(count), np.empty((count, count)), 0.0
     for i in range(count):
-        place = first if i == 0 else rest[i - 1]
-        start[i], weight[i] = away[place], weights[place]
+        candidate = first if i == 0 else rest[i - 1]
+        start[i], weight[i] = away[candidate], weights[candidate]
         total += weight[i]
         for j in range(count):
-            ways[i, j] = between[place, first if j == 0 else rest[j - 1]]
+            ways[i, j] = between[candidate, first if j == 0 else rest[j - 1]]
     for i in range(count):
         weight[i] /= max(total, 1e-300)
     return float(improved_cost(by_nearest(0, ways), start, ways, weight, latency))
@@ -135,9 +135,9 @@ def cost_of_rest(
     weights: NDArray[np.float64],
     latency: float,
 ) -> float:
-    """Return the cost of a good order of some places that begins with ``first``, in lidar ranges.
+    """Return the cost of a good order of some candidates that begins with ``first``, in lidar ranges.
 
-    ``rest`` are the indices of the others. The cost is the time at which the last place is reached, plus ``latency``
+    ``rest`` are the indices of the others. The cost is the time at which the last one is reached, plus ``latency``
     times the mean waiting time weighted by ``weights`` (K,).
     """
     return float(_rest(first, rest, problem.away[uav], problem.between, weights, latency))

@@ -19,6 +19,11 @@ def findings(kind, policy=Flying, names=CHECKS):
     return {finding.name: finding for finding in run_checks(make(kind, policy), names)}
 
 
+def variant(kind, **attributes):
+    """A subclass of a pilot or a policy with other attributes or methods."""
+    return type(f"Other{kind.__name__}", (kind,), attributes)
+
+
 def failures(found):
     return {name for name, finding in found.items() if not finding.passed}
 
@@ -65,13 +70,9 @@ def test_a_policy_declares_that_it_reads_the_settings_of_the_maps_generator(kind
     assert not failures(findings(kind, Declares))
 
 
-class Bold(Honest):
-    def act(self, view):
-        return self.briefing.agent % 4
-
-
 def test_moves_into_walls_are_allowed_and_counted():
-    count = findings(Bold)["actions"].text.split(", ")[1].split()[0]
+    bold = variant(Honest, act=lambda pilot, view: pilot.briefing.agent % 4)
+    count = findings(bold)["actions"].text.split(", ")[1].split()[0]
     assert int(count) > 0
 
 
@@ -98,7 +99,7 @@ class Returns(Honest):
 
 @pytest.mark.parametrize("value", [1.0, float("nan"), "left", None, True, 5, -1, np.ones(2), np.float64(3), [4]])
 def test_a_wrong_action_is_refused(value):
-    found = findings(type("Mind", (Returns,), {"value": value}), names=["decisions", "actions"])
+    found = findings(variant(Returns, value=value), names=["decisions", "actions"])
     assert failures(found) == {"actions"}
     kind = "action" if value is None or type(value) is int else "int"
     assert f"expected an {kind} from 0 to 4 (down, left, up, right, stay), got " in found["actions"].text
@@ -115,7 +116,7 @@ class Says(Honest):
 
 @pytest.mark.parametrize("said", [[1.0], tuple(range(17)), (float("nan"),), ("hello",), "hi", 3.0, (10**400,), (1j,)])
 def test_a_wrong_message_is_refused(said):
-    found = findings(type("Mind", (Says,), {"said": said}), names=["decisions", "messages"])
+    found = findings(variant(Says, said=said), names=["decisions", "messages"])
     assert failures(found) == {"messages"}
     assert "a tuple of at most 16 finite numbers, got " in found["messages"].text
     assert found["messages"].text.isprintable()
@@ -127,7 +128,7 @@ class Unprintable:
 
 
 def test_a_value_that_cannot_be_printed_is_named():
-    found = findings(type("Mind", (Returns,), {"value": Unprintable()}))
+    found = findings(variant(Returns, value=Unprintable()))
     assert "got the Unprintable a Unprintable whose repr raises RuntimeError" in found["actions"].text
 
 
@@ -140,24 +141,19 @@ class Tallies(Honest):
 
 @pytest.mark.parametrize("told", [None, [1.0], {"x": "y"}, {1: 1.0}, {"x": float("inf")}])
 def test_a_wrong_tally_is_refused(told):
-    found = findings(type("Mind", (Tallies,), {"told": told}), names=["decisions", "tally"])
+    found = findings(variant(Tallies, told=told), names=["decisions", "tally"])
     assert failures(found) == {"tally"}
     assert "expected tally to return a dict of finite numbers" in found["tally"].text
 
 
-class ReturnsFloat(Returns):
-    value = 1.0
-
-
-class Talks(Says):
-    said = (1.0, "hello")
-
-
-class Counts(Tallies):
-    told: object = [1.0]
-
-
-@pytest.mark.parametrize(("kind", "check"), [(ReturnsFloat, "actions"), (Talks, "messages"), (Counts, "tally")])
+@pytest.mark.parametrize(
+    ("kind", "check"),
+    [
+        (variant(Returns, value=1.0), "actions"),
+        (variant(Says, said=(1.0, "hello")), "messages"),
+        (variant(Tallies, told=[1.0]), "tally"),
+    ],
+)
 def test_a_wrong_answer_fails_one_check_and_the_others_go_on(kind, check):
     assert failures(findings(kind)) == {check}
 
@@ -191,11 +187,6 @@ class Raises(Honest):
         raise RuntimeError("motor\nfailure \x1b[31m")
 
 
-class Exits(Honest):
-    def act(self, view):
-        sys.exit(0)
-
-
 class NeverMade(Honest):
     def __init__(self, briefing, policy):
         raise KeyError("weights")
@@ -210,21 +201,6 @@ class MessageRaises(Honest):
         return 4
 
 
-class TooFew(Flying):
-    def act(self, pilots, views):
-        return [4] * (len(pilots) + 1)
-
-
-class NoList(Flying):
-    def act(self, pilots, views):
-        return None
-
-
-class NoPilot(Flying):
-    def pilot(self, briefing):
-        return "pilot"
-
-
 class PrivilegeRaises(Flying):
     @property
     def privileged(self):
@@ -237,12 +213,27 @@ class PrivilegeRaises(Flying):
         (WritesView, Flying, "act raised ValueError: assignment destination is read-only", "views are read-only, copy"),
         (WritesUnderView, Flying, "act changed the view it was given", "views are live, copy"),
         (Raises, Flying, "act raised RuntimeError: motor failure \\x1b[31m", "see test_conformance.py, line "),
-        (Exits, Flying, "act raised SystemExit: 0", "in act"),
+        (variant(Honest, act=lambda *_: sys.exit(0)), Flying, "act raised SystemExit: 0", "in <lambda>"),
         (NeverMade, Flying, "policy.pilot raised KeyError: 'weights'", "in __init__"),
         (MessageRaises, Flying, "pilot.message raised RuntimeError: radio", "in message"),
-        (Honest, TooFew, "expected a list of 1 actions from act, got 2: [4, 4]", "one for each pilot"),
-        (Honest, NoList, "expected a list of 1 actions from act, got None", "one for each pilot"),
-        (Honest, NoPilot, "expected policy.pilot to return a Pilot, got 'pilot'", "subclass Pilot"),
+        (
+            Honest,
+            variant(Flying, act=lambda _, pilots, views: [4] * (len(pilots) + 1)),
+            "expected a list of 1 actions from act, got 2: [4, 4]",
+            "one for each pilot",
+        ),
+        (
+            Honest,
+            variant(Flying, act=lambda *_: None),
+            "expected a list of 1 actions from act, got None",
+            "one for each pilot",
+        ),
+        (
+            Honest,
+            variant(Flying, pilot=lambda *_: "pilot"),
+            "expected policy.pilot to return a Pilot, got 'pilot'",
+            "subclass Pilot",
+        ),
         (Honest, PrivilegeRaises, "policy.privileged raised RuntimeError: undecided", "in privileged"),
     ],
 )
@@ -305,19 +296,9 @@ def test_a_changed_briefing_is_noticed(kind, name):
     assert found["decisions"].text == f"the briefing's {name} was changed"
 
 
-class FreshDraws(Honest):
-    def act(self, view):
-        return int(np.random.default_rng().choice(np.flatnonzero(view.legal[:4])))
-
-
-class GlobalDraws(Honest):
-    def act(self, view):
-        return random.choice(np.flatnonzero(view.legal[:4]).tolist())
-
-
-class LegacyDraws(Honest):
-    def act(self, view):
-        return int(np.random.choice(np.flatnonzero(view.legal[:4])))  # noqa: NPY002 - the fault under test
+def choosing(choose):
+    """A class of pilots with another way to choose among legal moves."""
+    return variant(Honest, act=lambda pilot, view: int(choose(np.flatnonzero(view.legal[:4]))))
 
 
 class CountsInPolicy(Honest):
@@ -341,9 +322,9 @@ class ModuleDraws(Honest):
 @pytest.mark.parametrize(
     ("kind", "policy", "fix"),
     [
-        (FreshDraws, Flying, "draw from briefing.rng only"),
-        (GlobalDraws, Flying, "the policy draws from the global random; draw from briefing.rng"),
-        (LegacyDraws, Flying, "the policy draws from the global numpy.random; draw from briefing.rng"),
+        (choosing(lambda moves: np.random.default_rng().choice(moves)), Flying, "draw from briefing.rng only"),
+        (choosing(random.choice), Flying, "the policy draws from the global random; draw from briefing.rng"),
+        (choosing(np.random.choice), Flying, "the policy draws from the global numpy.random; draw from briefing.rng"),
         (CountsInPolicy, Counting, "perhaps the list calls of the policy"),
         (ModuleDraws, Flying, "perhaps the Generator ModuleDraws.generator"),
     ],

@@ -3,7 +3,6 @@
 import os
 import subprocess
 import sys
-import textwrap
 
 import pytest
 
@@ -44,7 +43,7 @@ print(made.outer(3), made.apart(3), *sorted(compiled))
 """
 
 
-def run(code, cache, folder=None, **more):
+def run(code, cache, folder=None, timeout=None, **more):
     environment = os.environ | {"NUMBA_CACHE_DIR": str(cache)} | more
     done = subprocess.run(
         [sys.executable, *(["-P"] if folder is None else []), "-c", code],
@@ -53,6 +52,7 @@ def run(code, cache, folder=None, **more):
         capture_output=True,
         text=True,
         check=True,
+        timeout=timeout,
     )
     return done.stdout.strip(), done.stderr
 
@@ -128,12 +128,7 @@ def test_where_nothing_can_be_written_code_is_compiled_and_not_kept(tmp_path, mo
 
 def test_a_folder_that_cannot_be_written_is_replaced_by_one_for_temporary_files(tmp_path):
     (tmp_path / "file").write_text("")
-    code = textwrap.dedent(
-        """
-        from indoor_explorers.env.grid.compile_cache import cache_folder
-        print(cache_folder())
-        """
-    )
+    code = "from indoor_explorers.env.grid.compile_cache import cache_folder; print(cache_folder())"
     found, _ = run(code, tmp_path / "file", TMPDIR=str(tmp_path))
     assert found.startswith(str(tmp_path / "indoor-explorers-"))
 
@@ -164,36 +159,22 @@ def test_entries_that_nobody_uses_are_removed_after_a_while(tmp_path):
     assert others
 
 
-def test_code_that_does_not_compile_is_refused_each_time_it_is_called(tmp_path):
-    (tmp_path / "wrong.py").write_text(
-        textwrap.dedent(
-            """
-            from indoor_explorers.env.grid.compiled import kernel
+WRONG = """
+from indoor_explorers.env.grid.compiled import kernel
 
-            @kernel()
-            def wrong(number):
-                return number + "one"
-            """
-        )
-    )
-    code = textwrap.dedent(
-        """
-        import wrong
-        for _ in range(2):
-            try:
-                wrong.wrong(1)
-            except Exception as error:
-                print(type(error).__name__)
-        """
-    )
-    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
-    done = subprocess.run(
-        [sys.executable, "-c", code],
-        cwd=tmp_path,
-        env=environment,
-        capture_output=True,
-        text=True,
-        check=True,
-        timeout=compile_cache.PATIENCE,  # the second call does not wait for the first one
-    )
-    assert done.stdout.split() == ["TypingError", "TypingError"]
+@kernel()
+def wrong(number):
+    return number + "one"
+
+for _ in range(2):
+    try:
+        wrong(1)
+    except Exception as error:
+        print(type(error).__name__)
+"""
+
+
+def test_code_that_does_not_compile_is_refused_each_time_without_a_wait_for_the_first_call(tmp_path):
+    (tmp_path / "wrong.py").write_text(WRONG)
+    shown, _ = run("import wrong", tmp_path / "cache", tmp_path, timeout=compile_cache.PATIENCE)
+    assert shown.split() == ["TypingError", "TypingError"]

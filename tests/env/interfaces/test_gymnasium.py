@@ -13,7 +13,17 @@ from gymnasium.wrappers.vector import RecordEpisodeStatistics
 from indoor_explorers.env import PRESETS, InputError, World
 from indoor_explorers.env.interfaces.gymnasium_env import IndoorExplorersEnv
 from indoor_explorers.env.interfaces.vector import IndoorExplorersVectorEnv
-from indoor_explorers.env.observations import Egocentric, Encoder, Flat, Masked, Stacked, make_encoder
+from indoor_explorers.env.observations import (
+    Egocentric,
+    Encoder,
+    Flat,
+    Heading,
+    Masked,
+    Occupancy,
+    Parts,
+    Stacked,
+    make_encoder,
+)
 from indoor_explorers.env.rendering import Trails, paint, scene_of
 from indoor_explorers.env.rendering.window import Window, load_pygame
 from indoor_explorers.env.simulation.state import End
@@ -21,7 +31,7 @@ from tests.env.arrays import assert_same
 from tests.env.interfaces.switches import SWITCHES
 
 ID = "indoor_explorers.env:IndoorExplorers-v0"
-
+ERRORS = {"noise.misses": 0.05, "drift.rate": 0.05, "lidar.field_of_view": 120.0, "budget": 30}
 
 OBSERVATIONS = (
     "channels",
@@ -290,6 +300,7 @@ def sync(num_envs, autoreset_mode=AutoresetMode.NEXT_STEP, **kwargs):
         {"observation": "thesis", "settings": {"on_collision": "block", "budget": 9}},
         {"observation": Masked(Egocentric(base=True)), "settings": {"base.at": "start"}},
         {"observation": Stacked("egocentric-flat", 3)},
+        {"observation": Masked(Parts({"p": Occupancy(), "heading": Heading(), "map": "channels"})), "settings": ERRORS},
     ],
 )
 def test_the_vector_face_is_single_environments_side_by_side(mode, seed, kwargs):
@@ -300,7 +311,9 @@ def test_the_vector_face_is_single_environments_side_by_side(mode, seed, kwargs)
     assert data_equivalence(ours.reset(seed=seed), theirs.reset(seed=seed), exact=True)
     rng, ended = np.random.default_rng(4), 0
     for _ in range(60):
-        actions = rng.integers(0, 5, 7)
+        masks = [env.unwrapped.action_masks() for env in theirs.envs]
+        assert np.array_equal(ours.unwrapped.action_masks(), masks)
+        actions = rng.integers(0, ours.unwrapped.single_action_space.n, 7)
         result, wanted = ours.step(actions), theirs.step(actions)
         finals = [infos.pop("final_obs", np.array([])) for infos in (result[4], wanted[4])]
         assert data_equivalence(*(tuple(each) for each in finals), exact=True)
@@ -327,37 +340,6 @@ def test_without_autoreset_an_ended_episode_waits_for_its_reset():
         envs.step(np.array([4, 4]))
     envs.reset(options={"reset_mask": np.array([True, True])})
     envs.step(np.array([4, 4]))
-
-
-@pytest.mark.parametrize("observation", ["channels", Stacked("thesis", 2)], ids=str)
-def test_each_episode_of_a_batch_is_the_bare_world_s(observation):
-    """Flown alone, with the seed that the batch drew for it."""
-    settings = {"on_collision": "end", "budget": 25}
-    envs, rng = (
-        make_vec(3, observation=observation, settings=settings, autoreset_mode="SAME_STEP"),
-        np.random.default_rng(1),
-    )
-    seen, worlds, encoders = envs.reset(seed=4)[0], [None] * 3, [None] * 3
-    over = np.ones(3, bool)
-    for _ in range(60):
-        for b in range(3):
-            if over[b]:
-                worlds[b] = World(PRESETS["thesis-obstacles"].with_settings(settings))
-                worlds[b].reset([envs.unwrapped.world.seeds[b]])
-                encoders[b] = make_encoder(observation, worlds[b].briefing(0, 0))
-            assert_same(seen[b], encoders[b].observation(worlds[b].view(0, 0)))
-        assert np.array_equal(envs.unwrapped.action_masks(), [world.view(0, 0).legal for world in worlds])
-        actions = rng.integers(0, 5, 3)
-        seen, reward, terminated, truncated, infos = envs.step(actions)
-        over = terminated | truncated
-        for b, world in enumerate(worlds):
-            world.step(actions[b].reshape(1, 1))
-            end = world.state.end[0, 0]
-            assert (reward[b], truncated[b]) == (world.state.reward[0, 0], end == End.BUDGET)
-            assert terminated[b] == (End.FLYING < end < End.BUDGET)
-            if over[b]:
-                assert_same(infos["final_obs"][b], encoders[b].observation(world.view(0, 0)))
-                assert infos["final_info"]["coverage"][b] == world.coverage[0, 0]
 
 
 def test_a_masked_reset_starts_the_chosen_episodes_only():

@@ -12,8 +12,6 @@ from gymnasium.utils.env_checker import data_equivalence
 
 from indoor_explorers.env import PRESETS, InputError, World, env, parallel_env
 from indoor_explorers.env.observations import Egocentric, Masked, Stacked, make_encoder
-from indoor_explorers.env.rendering.layout import layout_of
-from indoor_explorers.env.rendering.palette import uav_colours
 from indoor_explorers.env.rendering.window import load_pygame
 from indoor_explorers.env.simulation.state import End
 from tests.env.arrays import assert_same
@@ -106,18 +104,6 @@ def test_a_uav_that_has_ended_is_not_in_the_global_state():
     while len(team.agents) == 2:
         team.step(dict.fromkeys(team.agents, 1))
     assert team.state()[4:].sum() == len(team.agents)
-
-
-@pytest.mark.parametrize("make", [parallel_env, env])
-def test_a_picture_has_a_colour_for_each_uav(make):
-    team = make("thesis-team-4", render_mode="rgb_array")
-    team.reset(seed=0)
-    picture, box = team.render(), layout_of((16, 16), 4).main
-    main = picture[box.top : box.top + box.height, box.left : box.left + box.width]
-    for agent, cell in enumerate(team.unwrapped.world.state.cell[0]):
-        above_the_number = main[tuple(36 * cell + (7, 18))].astype(int)
-        assert abs(above_the_number - uav_colours(4)[agent]).max() < 30
-    team.close()
 
 
 def test_pettingzoo_s_render_test():

@@ -11,11 +11,10 @@ from indoor_explorers.env import InputError
 from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.maps.files import read_map
-from indoor_explorers.env.maps.readers.doorways import open_doorways
-from indoor_explorers.env.maps.readers.office import drawn, office
-from indoor_explorers.env.maps.readers.plain import read_plain
+from indoor_explorers.env.maps.readers.image import read_plain
 from indoor_explorers.env.maps.readers.ros import RosMap, parse_ros, read_ros, trinary
-from indoor_explorers.env.maps.sources import FileMaps
+from indoor_explorers.env.maps.reduction import open_doorways
+from indoor_explorers.env.maps.sources import FileMaps, drawn, office
 
 SHARED = Path(__file__).parents[3] / ".." / "shared" / "maps"
 needs_shared = pytest.mark.skipif(not SHARED.is_dir(), reason="the development maps (../shared/maps) are not here")

@@ -7,7 +7,7 @@ import pytest
 from scipy.sparse.csgraph import connected_components
 
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
-from indoor_explorers.env.rendering import Trails, paint, percent, scene_of
+from indoor_explorers.env.rendering import Trails, floored_percent, paint, scene_of
 from indoor_explorers.env.rendering.layout import CAPTION, MARGIN, PANELS, layout_of
 from indoor_explorers.env.rendering.painter import nearest_links
 from indoor_explorers.env.rendering.palette import (
@@ -212,7 +212,7 @@ def test_a_scene_is_plain_arrays_and_needs_no_trails():
 
 
 def test_nearly_everything_is_not_everything():
-    assert [percent(share) for share in (0.0, 0.123, 0.99999, 1.0)] == ["0.0%", "12.3%", "99.9%", "100.0%"]
+    assert [floored_percent(share) for share in (0.0, 0.123, 0.99999, 1.0)] == ["0.0%", "12.3%", "99.9%", "100.0%"]
 
 
 def test_trails_forget():

@@ -88,23 +88,6 @@ def test_the_fingerprint_is_of_the_task_and_not_of_its_name():
     assert task.with_settings({"lidar.range": 4}).fingerprint != task.fingerprint
 
 
-def test_evaluation_runs_to_full_reachable_team_coverage():
-    flown = scenario("thesis-team-2").for_evaluation()
-    assert (flown.goal, flown.goal_of, flown.denominator, flown.stuck.rule) == (1.0, "team", "reachable", "off")
-    assert (flown.budget, flown.team, flown.lidar.range) == (400, 2, 3.0)
-
-
-def test_the_thesis_presets_are_the_thesis():
-    for name, obstacles, team in (("thesis-open", 0, 1), ("thesis-obstacles", 5, 1), ("thesis-team-4", 5, 4)):
-        task = scenario(name)
-        assert (task.map.height, task.map.width, task.map.obstacles, task.team) == (16, 16, obstacles, team)
-        assert (task.lidar.range, task.budget, task.goal, task.denominator) == (3.0, 400, 0.9, "map")
-        assert (task.rewards.step, task.rewards.discovered, task.rewards.collision, task.rewards.goal) == (
-            *(-0.5, 1.0),
-            *(-400.0, 400.0),
-        )
-
-
 def test_the_thesis_s_experiments_are_presets():
     """Tables 4.1 and 4.2, and the tests of section 4.2, one by one."""
     table = {1: (-0.5, -400, -400, 1, 400), 2: (-1, -100000, -10000, 10, 10000), 3: (-10, -1000, -1000, 10, 1000)}

@@ -10,21 +10,11 @@ from hypothesis import strategies as st
 from indoor_explorers.env import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.sensing.lidar import scan
 from indoor_explorers.env.sensing.rays import first_hits
-
-
-@st.composite
-def places(draw):
-    """A small map and a free cell of it."""
-    shape = draw(st.integers(1, 14)), draw(st.integers(1, 14))
-    rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
-    truth = np.where(rng.random(shape) < draw(st.sampled_from([0.05, 0.2, 0.4])), OCCUPIED, FREE).astype(np.uint8)
-    cell = tuple(rng.integers(shape).tolist())
-    truth[cell] = FREE
-    return truth, cell
+from tests.env.sensing.test_lidar import places
 
 
 @settings(max_examples=300, deadline=None)
-@given(places(), st.sampled_from([1.0, 2.5, 4.0, 9.0]))
+@given(places(side=14), st.sampled_from([1.0, 2.5, 4.0, 9.0]))
 def test_a_ray_reaches_the_centres_that_the_lidar_sees_and_no_others(place, lidar_range):
     truth, cell = place
     free = np.argwhere(truth == FREE)
@@ -37,7 +27,7 @@ def test_a_ray_reaches_the_centres_that_the_lidar_sees_and_no_others(place, lida
 
 
 @settings(max_examples=200, deadline=None)
-@given(places(), st.floats(-math.pi, math.pi))
+@given(places(side=14), st.floats(-math.pi, math.pi))
 @example((np.array([[FREE]], np.uint8), (0, 0)), 2e-309)  # almost along the columns
 def test_a_hit_is_on_the_border_of_an_obstacle(place, angle):
     truth, cell = place

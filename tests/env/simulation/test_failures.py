@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 
-from indoor_explorers.env import InputError, Scenario, World, make_policy, scenario
+from indoor_explorers.env import Scenario, World, scenario
 from indoor_explorers.env.grid.cells import UNKNOWN
 from indoor_explorers.env.maps.floorplan import Floorplan
-from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
 from indoor_explorers.env.simulation.state import End
 
 STAY, RIGHT = 4, 3
@@ -124,45 +123,3 @@ def test_a_failed_radio_neither_sends_nor_receives_for_its_outage():
     assert abs(silent.mean() - 5 / (5 + 9)) < 0.04  # nine steps until a failure, then five of silence
     runs = np.diff(np.flatnonzero(np.diff(np.concatenate(([0], silent[:, 0], [0])).astype(int))))[::2]
     assert (runs[:-1] % 5 == 0).all()
-
-
-def test_nothing_is_drawn_where_nothing_can_fail():
-    world = in_corridor((0, 10))
-    stay(world, 50)
-    assert world.flying.all()
-    assert not world.state.silent_until.any()
-
-
-def test_settings_that_were_not_there_leave_fingerprints_alone():
-    plain = scenario("thesis-team-4")
-    assert plain.fingerprint == "b366dbf8cf45c9bb"
-    assert plain.with_settings({"failures.hazard": 0.1}).fingerprint != plain.fingerprint
-
-
-@pytest.mark.parametrize(
-    ("failures", "message"),
-    [
-        ({"stops": ((2, 5),)}, "list each once, from 0 to 1"),
-        ({"stops": ((1, 5), (1, 9))}, "list each once"),
-        ({"stops": ((1, 0),)}, "steps count from 1"),
-        ({"hazard": 1.0}, "less than 1"),
-    ],
-)
-def test_failures_that_cannot_be_are_refused(failures, message):
-    with pytest.raises(InputError, match=message):
-        Scenario(team=2).with_settings({f"failures.{name}": value for name, value in failures.items()})
-
-
-@pytest.mark.parametrize(
-    "policy", ["frontier-nearest", "frontier-minpos", "frontier", "frontier-latency", "pso", "rrt"]
-)
-@pytest.mark.parametrize("radio", ["none", "disc"])
-def test_no_cells_are_left_to_a_uav_that_has_stopped(policy, radio):
-    settings = {"radio.model": radio, "radio.range": 4.0, "failures.stops": ((1, 6), (2, 9)), "budget": 1500}
-    task = scenario("thesis-team-4").for_evaluation().with_settings(settings | {"on_collision": "block", "team": 3})
-    world, made = World(task), make_policy(policy)
-    world.reset([11])
-    for _ in rollout(world, ask_pilots(made, make_pilots(made, world), world)):
-        pass
-    assert world.state.end[0].tolist() == [End.GOAL, End.STOPPED, End.STOPPED]
-    assert world.team_coverage[0] == 1.0

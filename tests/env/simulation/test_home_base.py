@@ -108,8 +108,6 @@ def test_what_was_reported_outlives_the_uav():
     [
         ({"at": (0, 24)}, r"base.at \(0, 24\) is no cell of this 1 x 24 map that can be reached"),
         ({"at": (3, 3)}, "list another one, or use 'start'"),
-        ({"must_return": True}, "base.must_return needs a base"),
-        ({"at": "home"}, "base.at"),
     ],
 )
 def test_bases_that_cannot_be_are_refused(base, message):

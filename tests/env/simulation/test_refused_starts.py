@@ -56,7 +56,8 @@ def test_a_new_world_that_refused_an_episode_is_still_new():
     [
         (CROWDED, 3, 0, "expected room for 22 UAVs"),
         (LISTED, 0, 1, r"spawn 0 at \(7, 7\) is no free cell"),
-        (PRESETS["thesis-team-2"], 0, -1, "expected a seed from 0"),
+        (PRESETS["thesis-team-2"], 0, -1, "expected a seed from 0 to 9223372036854775807"),
+        (PRESETS["thesis-team-2"], 0, 2**63, "expected a seed from 0 to 9223372036854775807"),
     ],
 )
 def test_a_refused_restart_leaves_every_episode_as_it_was(task, good, bad, message, threads):

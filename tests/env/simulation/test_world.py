@@ -359,21 +359,6 @@ def test_a_team_of_64_knows_what_the_whole_of_it_knows():
     assert len(world.view(0, 5).mates) == 63
 
 
-def test_a_corridor_one_cell_wide():
-    world = begun(
-        Scenario(team=2, spawn=((0, 0), (0, 1)), goal=1.0), Floorplan(np.ones((1, 40), np.uint8), "corridor"), 0
-    )
-    for _ in range(60):
-        world.step(np.array([[3, 3]]))
-    assert world.state.end[0].tolist() == [End.FLYING, End.GOAL] or world.state.end[0, 1] == End.GOAL
-
-
-@pytest.mark.parametrize("seed", [-1, 2**63])
-def test_seeds_out_of_range_are_refused(seed):
-    with pytest.raises(InputError, match="expected a seed from 0 to 9223372036854775807"):
-        World(PRESETS["thesis-open"]).reset([seed])
-
-
 def test_what_pilots_draw_changes_nothing_else():
     """Map, spawns, order of moves and the other pilots' draws are the same however much one pilot draws."""
     frugal, greedy = (World(PRESETS["thesis-team-4"]) for _ in range(2))
@@ -483,15 +468,11 @@ def test_spawns_are_free_connected_and_distinct():
             assert all(world.floorplan(b).main_part[cell] for cell in cells)
 
 
-@pytest.mark.parametrize(
-    ("actions", "message"),
-    [([[0, 1]], r"expected actions of shape \(1, 1\)"), ([[5]], "expected an action from 0 to 4, got 5")],
-)
-def test_wrong_actions_are_refused(actions, message):
+def test_actions_of_a_wrong_shape_are_refused():
     world = World(PRESETS["thesis-open"])
     world.reset([0])
-    with pytest.raises(InputError, match=message):
-        world.step(np.array(actions))
+    with pytest.raises(InputError, match=r"expected actions of shape \(1, 1\)"):
+        world.step(np.array([[0, 1]]))
 
 
 @pytest.mark.parametrize("spawns", [[(0, 0), (0, 9)], [(0, 0), (-1, 0)], [(0, 0), (1, 1)], [(0, 0), (0, 0)]])
@@ -499,11 +480,6 @@ def test_given_spawns_are_free_and_distinct_cells(spawns):
     plan = Floorplan(np.array([[1, 1], [1, 2]], np.uint8), "corner")
     with pytest.raises(InputError, match=r"is no free cell|cannot spawn in the same cell"):
         World(Scenario(team=2)).begin(0, 0, floorplan=plan, spawns=spawns)
-
-
-def test_too_many_uavs_for_the_map():
-    with pytest.raises(InputError, match="expected room for 200 UAVs"):
-        World(Scenario(map={"source": "thesis", "height": 4, "width": 4, "obstacles": 0}, team=200)).reset([0])
 
 
 def test_a_view_is_live_and_outlives_its_world():

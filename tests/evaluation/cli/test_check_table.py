@@ -9,24 +9,16 @@ from rich.console import Console
 
 from indoor_explorers.env import PolicyError, run_checks
 from indoor_explorers.env.conformance import CHECKS
-from indoor_explorers.env.grid.compiled import NOTICE
 from indoor_explorers.evaluation.cli.check_table import print_findings, print_header
 from indoor_explorers.evaluation.cli.parser import main
 from tests.evaluation import plugins
+from tests.evaluation.cli.test_cli import PLUGINS, run
 
-PLUGINS = "tests.evaluation.plugins"
 GUIDE = Path(__file__).resolve().parents[3] / "evaluation" / "site" / "pages" / "guides" / "planner.md"
 
 
-def run(capsys, *words):
-    """Run the command in this process; returns (status, standard output, standard error)."""
-    status = main(["check", *words])
-    captured = capsys.readouterr()
-    return status, captured.out, captured.err.replace(NOTICE, "")
-
-
 def test_a_policy_that_passes_gets_its_facts_a_row_for_each_check_and_status_0(capsys):
-    status, printed, errors = run(capsys, f"{PLUGINS}:Batched")
+    status, printed, errors = run(capsys, "check", f"{PLUGINS}:Batched")
     assert (status, errors) == (0, "")
     assert re.search(r"policy +tests\.evaluation\.plugins:Batched *\n", printed)
     assert re.search(r"parameters +speed=1", printed)
@@ -37,7 +29,7 @@ def test_a_policy_that_passes_gets_its_facts_a_row_for_each_check_and_status_0(c
 
 
 def test_all_checks_run_although_some_fail(capsys):
-    status, printed, errors = run(capsys, f"{PLUGINS}:Leaks")
+    status, printed, errors = run(capsys, "check", f"{PLUGINS}:Leaks")
     words = " ".join(printed.split())
     assert (status, errors) == (1, "")
     for row in ("FAILED +messages", "FAILED +same seed, same episode", "unknown +unlinked teammates"):
@@ -51,10 +43,10 @@ def test_all_checks_run_although_some_fail(capsys):
 
 
 def test_what_cannot_be_run_says_so(capsys):
-    status, printed, errors = run(capsys, f"{PLUGINS}:Raises")
+    status, printed, errors = run(capsys, "check", f"{PLUGINS}:Raises")
     words = " ".join(printed.split())
     assert (status, errors) == (1, "")
-    assert "act raised RuntimeError: motor</script> failure To fix: see plugins.py, line " in words
+    assert "act raised RuntimeError: motor</script> failure To fix: see failing.py, line " in words
     assert words.count("not run: see decisions") == len(CHECKS) - 1
     assert f"0 of {len(CHECKS)} checks passed" in words
 
@@ -67,7 +59,7 @@ def test_what_cannot_be_run_says_so(capsys):
     ],
 )
 def test_a_plugin_that_cannot_be_made_is_one_line_and_status_1(target, message, capsys):
-    status, printed, errors = run(capsys, target)
+    status, printed, errors = run(capsys, "check", target)
     assert (status, printed, errors.count("\n")) == (1, "", 1)
     assert message in errors
 
@@ -81,11 +73,11 @@ def test_a_plugin_that_cannot_be_made_is_one_line_and_status_1(target, message, 
             f"{PLUGINS}:Wanderer",
             f"expected a subclass of indoor_explorers.env.Policy, got the class {PLUGINS}:Wanderer",
         ),
-        ("tests.evaluation.cli.test_check_table:run", "got the function tests.evaluation.cli.test_check_table:run"),
+        ("tests.evaluation.cli.test_cli:run", "got the function tests.evaluation.cli.test_cli:run"),
     ],
 )
 def test_a_target_that_is_no_policy_is_one_line_and_status_2(target, message, capsys):
-    status, printed, errors = run(capsys, target)
+    status, printed, errors = run(capsys, "check", target)
     assert (status, printed, errors.count("\n")) == (2, "", 1)
     assert message in errors
 

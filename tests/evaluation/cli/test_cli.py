@@ -20,7 +20,7 @@ from indoor_explorers.env.grid.compiled import NOTICE
 from indoor_explorers.evaluation import compare
 from indoor_explorers.evaluation.cli.commands import demo
 from indoor_explorers.evaluation.cli.parser import main
-from indoor_explorers.evaluation.harness.options import read_names
+from indoor_explorers.evaluation.harness.experiment.request import read_names
 from indoor_explorers.evaluation.harness.results.results import SUMMARY_COLUMNS
 from tests.evaluation import plugins
 
@@ -308,11 +308,6 @@ def test_steps_are_printed_as_ratios_to_a_policy(capsys, tmp_path):
     assert "T99 as a ratio to frontier-minpos" in page.read_text()
 
 
-def test_lists(capsys):
-    assert "frontier-minpos" in run(capsys, "policies")[1]
-    assert "thesis-obstacles" in run(capsys, "scenarios")[1]
-
-
 OPEN = ["--scenario", "thesis-open", "--policies", "random"]
 
 
@@ -344,7 +339,6 @@ OPEN = ["--scenario", "thesis-open", "--policies", "random"]
         (["report", "nowhere"], "expected a folder with a results.db"),
         (["check", "fronteir"], "unknown policy 'fronteir'; did you mean"),
         (["maps", "nowhere.png"], "nowhere.png"),
-        (["compare", *OPEN, "--polices", "x"], "did you mean --policies?; see indoor-explorers compare --help"),
         (["compare", *OPEN, "--set", "radio.rnge=3"], "no setting 'radio.rnge'; did you mean 'radio.range'"),
         (["comapre"], "invalid choice: 'comapre'; did you mean 'compare'?"),
     ],

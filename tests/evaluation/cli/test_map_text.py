@@ -18,6 +18,7 @@ from indoor_explorers.evaluation.cli.map_text import _coarse, facts, layout, pic
 from indoor_explorers.evaluation.cli.parser import main
 from indoor_explorers.evaluation.harness.experiment.planning import plan as plan_of
 from indoor_explorers.evaluation.harness.experiment.request import ComparisonRequest
+from tests.evaluation.cli.test_cli import run
 
 
 def plan(text, **more):
@@ -78,7 +79,7 @@ def test_the_share_connected_before_the_cut_is_told_and_a_small_one_is_a_caution
     grey = np.zeros((250, 250), np.uint8)
     grey[:, :60], grey[:, 100::2] = 255, 255
     Image.fromarray(grey).save(tmp_path / "photo.png")
-    _, out, _ = printed(capsys, "maps", tmp_path / "photo.png")
+    _, out, _ = run(capsys, "maps", tmp_path / "photo.png")
     assert "44.4% of the source's free area connected, 44.4% kept" in out
     assert "photo: only 44.4% of the free area is left, the largest connected part: is it a map" in out
     assert "photo.png: a picture has no scale: a pixel is taken for 1 m; --resolution 3 makes 100 cells" in out
@@ -95,7 +96,7 @@ def test_a_mask_of_what_is_free_and_a_turned_origin_are_told(tmp_path, capsys):
         (tmp_path / f"{name}.yaml").write_text("\n".join([*lines, "free_thresh: 0.196"]))
     files = [tmp_path / name for name in ("mask.npy", "walls.npy", "turned.yaml", "straight.yaml")]
     assert [len(read_map(file).notes) for file in files] == [1, 0, 1, 0]
-    _, out, _ = printed(capsys, "maps", *files)
+    _, out, _ = run(capsys, "maps", *files)
     told = (
         "mask.npy: the border is free and the inside is not: True is a wall; if it was to be free, save ~mask",
         "turned.yaml: the map is flown as its picture lies: the yaw of its origin, 0.7853 rad, is ignored",
@@ -105,31 +106,25 @@ def test_a_mask_of_what_is_free_and_a_turned_origin_are_told(tmp_path, capsys):
     assert file_notes(plan_of(asked)) == [*told]
 
 
-def printed(capsys, *words):
-    status = main([str(word) for word in words])
-    out, errors = capsys.readouterr()
-    return status, out, errors
-
-
 @pytest.mark.parametrize("name", ["thesis-obstacles", "office", "rooms", "offices", "cave", "maze"])
 def test_the_maps_of_a_scenario_are_shown(capsys, name):
-    status, out, errors = printed(capsys, "maps", "--scenario", name)
+    status, out, errors = run(capsys, "maps", "--scenario", name)
     assert (status, errors) == (0, "")
     assert "% of the source's free area connected" in out
-    assert (printed(capsys, "maps", "--scenario", name, "--seed", 1)[1] == out) == (name == "office")
-    assert printed(capsys, "maps", "--scenario", name, "--seed", 0)[1] == out
+    assert (run(capsys, "maps", "--scenario", name, "--seed", 1)[1] == out) == (name == "office")
+    assert run(capsys, "maps", "--scenario", name, "--seed", 0)[1] == out
 
 
 def test_settings_of_the_scenario_count(capsys):
     words = ["maps", "--scenario", "maze", "--set", "map.height=21", "map.width=37", "map.corridor=1"]
-    assert "maze: 21 x 37 cells" in printed(capsys, *words)[1]
+    assert "maze: 21 x 37 cells" in run(capsys, *words)[1]
 
 
 def test_files_of_every_kind_are_shown(capsys, tmp_path):
     np.save(tmp_path / "a.npy", np.zeros((3, 4), np.uint8))
     (tmp_path / "b.map").write_text("type octile\nheight 2\nwidth 3\nmap\n...\n.@.\n")
     (tmp_path / "c.json").write_text('{"verts": [[0, 0], [2, 0], [2, 1], [0, 1]]}')
-    status, out, _ = printed(capsys, "maps", *(tmp_path / name for name in ("a.npy", "b.map", "c.json")))
+    status, out, _ = run(capsys, "maps", *(tmp_path / name for name in ("a.npy", "b.map", "c.json")))
     assert status == 0
     for line in ("a: 3 x 4 cells, 1 m a cell, 12 free", "b: 2 x 3 cells", "c: 12 x 22 cells, 0.1 m a cell, 200 free"):
         assert line in out
@@ -150,7 +145,7 @@ def test_files_of_every_kind_are_shown(capsys, tmp_path):
     ],
 )
 def test_what_cannot_be_shown_is_said_in_one_line(capsys, words, message):
-    status, out, errors = printed(capsys, "maps", *words)
+    status, out, errors = run(capsys, "maps", *words)
     assert (status, out) == (2, "")
     assert message in errors
     assert errors.count("\n") == 1

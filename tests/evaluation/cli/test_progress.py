@@ -9,9 +9,8 @@ from rich.console import Console
 
 from indoor_explorers.env import PRESETS
 from indoor_explorers.env.grid import compile_cache
-from indoor_explorers.evaluation.cli import compile_status, progress
-from indoor_explorers.evaluation.cli.progress import ProgressBar
-from indoor_explorers.evaluation.cli.running_means import RunningMeans
+from indoor_explorers.evaluation.cli import progress
+from indoor_explorers.evaluation.cli.progress import ProgressBar, RunningMeans
 from indoor_explorers.evaluation.harness.episodes.runner import fly
 from indoor_explorers.evaluation.harness.experiment.experiment import Task
 from indoor_explorers.evaluation.harness.results.coverage_threshold import CoverageThreshold
@@ -85,9 +84,9 @@ def test_a_terminal_sees_every_policy(records):
 
 def test_what_is_compiled_is_named(tmp_path, monkeypatch):
     monkeypatch.setattr(compile_cache, "cache_folder", lambda: tmp_path)
-    monkeypatch.setattr(compile_status, "CHECK_INTERVAL", 0.0)
+    monkeypatch.setattr(progress, "CHECK_INTERVAL", 0.0)
     missing = {"view_gain-1a", "beam-2b", "learn-3c"}
-    monkeypatch.setattr(compile_status, "not_compiled", lambda: missing)
+    monkeypatch.setattr(progress, "not_compiled", lambda: missing)
     (tmp_path / "ab").mkdir()
     stale = tmp_path / "ab" / "left_behind-0f-0.lock"
     stale.touch()

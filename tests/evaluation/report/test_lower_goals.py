@@ -108,7 +108,9 @@ def test_ranking_contrasts_and_headline_are_of_the_level_asked_for(near: Results
 
 def test_a_headline_without_rivals_or_success_names_the_level(near: Results) -> None:
     alone = [record for record in near.records if record.policy == "quick"]
-    assert "reached 90 % coverage after 50.3" in headline(Comparison(replace(near, records=alone), "near"))
+    told = headline(Comparison(replace(near, records=alone), "near"))
+    assert "reached 90 % coverage after 50.3" in told
+    assert "no other policy" in told
     never = [replace(r, metrics=r.metrics | {"t90": None}) for r in alone]
     assert "No policy reached 90 % coverage" in headline(Comparison(replace(near, records=never), "near"))
 

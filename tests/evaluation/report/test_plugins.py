@@ -5,7 +5,7 @@ import pytest
 from indoor_explorers.env import InputError
 from indoor_explorers.evaluation import Metric
 from indoor_explorers.evaluation.analysis.comparison import Comparison
-from indoor_explorers.evaluation.analysis.tables.measures_table import measures_table
+from indoor_explorers.evaluation.analysis.tables.results_table import measures_table
 from indoor_explorers.evaluation.harness.results.custom_metrics import with_metrics
 from indoor_explorers.evaluation.harness.results.results import Results
 from indoor_explorers.evaluation.report.custom_panels import custom_panels

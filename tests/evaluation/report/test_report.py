@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import Any
 
 import pytest
 from rich.console import Console, RenderableType
@@ -121,32 +122,48 @@ def plain(results: Results) -> str:
     return render(results)
 
 
-def test_policies_that_read_the_generators_settings_are_marked(results: Results, plain: str) -> None:
-    name = "broken"
-    policies = results.policies | {name: results.policies[name] | {"uses_generator": True}}
+@pytest.mark.parametrize(
+    ("facts", "name", "texts", "pages"),
+    [
+        (
+            {"uses_generator": True},
+            "broken",
+            [f"broken {DAGGER}", f"{DAGGER} reads the settings of the maps' generator"],
+            ["knows the generator</span>", "generator that draws the maps, never the map: broken."],
+        ),
+        (
+            {"failed_check": "map of the seed: knows it [/]; to fix it, forget it"},
+            "broken",
+            [
+                f"broken {DOUBLE_DAGGER}",
+                f"{DOUBLE_DAGGER} broken failed the check map of the seed: knows it [/]; to fix it, forget it.",
+            ],
+            ["failed a check</span>", "to fix it, forget it. It is not ranked: its figures may"],
+        ),
+        (
+            {"batched": True},
+            "straight",
+            ["s (batch share)", "Batch share: the policy decides"],
+            ["batch times</span>", "whose decision times are shares of a batch: straight."],
+        ),
+    ],
+)
+def test_policies_that_know_more_failed_or_share_times_are_marked(
+    results: Results, plain: str, facts: dict[str, Any], name: str, texts: list[str], pages: list[str]
+) -> None:
+    policies = results.policies | {name: results.policies[name] | facts}
     marked = Results(policies, results.scenarios, results.runs, list(results.records))
     for found, page, expected in ((results, plain, False), (marked, render(marked), True)):
         ratios = Ratios.of(found)
-        texts = [*texts_of(found), printed(*ratio_lines(ratios)), markdown_ratios(ratios)]
-        for text in (each.replace(r"$\dagger$", DAGGER) for each in texts):
-            assert (f"{name} {DAGGER}" in text) == expected
-            assert (f"{DAGGER} reads the settings of the maps' generator" in " ".join(text.split())) == expected
-        assert ("knows the generator</span>" in page) == expected
-        assert (f"generator that draws the maps, never the map: {name}." in page) == expected
-
-
-def test_policies_that_failed_a_check_are_marked(results: Results, plain: str) -> None:
-    name, told = "broken", "map of the seed: knows it [/]; to fix it, forget it"
-    policies = results.policies | {name: results.policies[name] | {"failed_check": told}}
-    marked = Results(policies, results.scenarios, results.runs, list(results.records))
-    for found, page, expected in ((results, plain, False), (marked, render(marked), True)):
-        texts = [*texts_of(found), printed(*ratio_lines(Ratios.of(found)))]
-        for text in (each.replace(r"$\ddagger$", DOUBLE_DAGGER) for each in texts):
-            assert (f"{name} {DOUBLE_DAGGER}" in text) == expected
+        shown = texts_of(found)
+        if "batched" not in facts:  # ratios have no decision times
+            shown.append(printed(*ratio_lines(ratios)))
+        if "uses_generator" in facts:
+            shown.append(markdown_ratios(ratios))
+        for text in (each.replace(r"$\dagger$", DAGGER).replace(r"$\ddagger$", DOUBLE_DAGGER) for each in shown):
             plainly = " ".join(text.replace("\\", "").split())
-            assert (f"{DOUBLE_DAGGER} {name} failed the check {told}." in plainly) == expected
-        assert ("failed a check</span>" in page) == expected
-        assert (f"{name} failed the check {told}. It is not ranked: its figures may" in page) == expected
+            assert [words in plainly for words in texts] == [expected] * len(texts)
+        assert [words in page for words in pages] == [expected] * len(pages)
 
 
 def test_policies_from_outside_that_were_not_isolated_are_marked(results: Results) -> None:
@@ -166,18 +183,6 @@ def test_policies_from_outside_that_were_not_isolated_are_marked(results: Result
         assert ("not isolated</span>" in page) == expected
         assert (f"where it could have read it: {name}." in page) == expected
         assert ("flew isolated</small>" in page) == isolated
-
-
-def test_shares_of_a_batch_are_marked(results: Results, plain: str) -> None:
-    name = next(iter(results.policies))
-    policies = results.policies | {name: results.policies[name] | {"batched": True}}
-    marked = Results(policies, results.scenarios, results.runs, list(results.records))
-    for found, page, expected in ((results, plain, False), (marked, render(marked), True)):
-        for text in texts_of(found):
-            assert ("s (batch share)" in text) == expected
-            assert ("Batch share: the policy decides" in text) == expected
-        assert ("batch times</span>" in page) == expected
-        assert (f"whose decision times are shares of a batch: {name}." in page) == expected
 
 
 def printed(*parts: RenderableType) -> str:

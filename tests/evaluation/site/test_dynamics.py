@@ -1,13 +1,11 @@
 """The measures of flown tracks are right, and the page on dynamics has the figures of the measured file."""
 
 import importlib.util
-import re
 
 import numpy as np
 import pytest
 
 from indoor_explorers.env import FREE, OCCUPIED
-from indoor_explorers.evaluation.site.pictures.dynamics import dynamics_pictures
 from indoor_explorers.evaluation.site.studies.dynamics import (
     FLIGHTS,
     HOVER,
@@ -24,10 +22,7 @@ PAGE = (SITE / "pages" / "guides" / "dynamics.md").read_text("utf-8")
 CORNER = np.array([[[0.5, 0.5]], [[0.5, 1.5]], [[1.5, 1.5]]])
 
 
-def test_the_page_shows_every_picture_and_has_the_table():
-    pictures = dynamics_pictures()
-    assert re.findall(r"\(../gallery/(.+?)\)", PAGE) == list(pictures)
-    assert all(picture.lstrip().startswith(b"<?xml") and b"<svg" in picture for picture in pictures.values())
+def test_the_page_has_the_table():
     assert "\n".join(flight_table()) in PAGE
 
 

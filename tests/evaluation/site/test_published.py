@@ -13,7 +13,7 @@ from indoor_explorers.evaluation.harness.results.results import Results
 from indoor_explorers.evaluation.site import published as site
 
 #: Two rooms of a suite that needs no files.
-ROOMS = site.Comparison(
+ROOMS = site.PublishedComparison(
     "rooms",
     "The suite rooms",
     "Two rooms.",

@@ -1,4 +1,4 @@
-"""The page on tabular learning shows its picture, and says of further trainings what they give."""
+"""The page on tabular learning says of further trainings what they give."""
 
 import random
 import re
@@ -6,7 +6,6 @@ from statistics import mean
 
 import pytest
 
-from indoor_explorers.evaluation.site.pictures import tabular as tabular_pictures
 from indoor_explorers.evaluation.site.pictures.tabular import PAGE, SEEDS, page_functions, training
 
 TEXT = " ".join(PAGE.read_text("utf-8").split())
@@ -26,14 +25,6 @@ def in_test_rooms(obstacles, state, table):
         steps.append(names["fly"](env, recorded, table, seed, random))
         lasts.append(set(visited[-10:]))
     return steps, lasts
-
-
-def test_the_page_shows_every_picture_and_all_are_svg(monkeypatch):
-    monkeypatch.setitem(page_functions(), "EPISODES", 60)
-    monkeypatch.setitem(page_functions(), "TESTS", [0])
-    pictures = tabular_pictures.tabular_pictures()
-    assert re.findall(r"\(../gallery/(.+?)\)", TEXT) == list(pictures)
-    assert all(picture.lstrip().startswith(b"<?xml") and b"<svg" in picture for picture in pictures.values())
 
 
 def test_a_fixed_table_can_repeat_two_states():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from indoor_explorers.evaluation.statistics import bootstrap_mean, curve_band, resampled_weights
-from indoor_explorers.evaluation.statistics.small_samples import SmallSample
+from indoor_explorers.evaluation.statistics.resampling import SmallSample
 
 
 def coverage(values, truth, maps=None):

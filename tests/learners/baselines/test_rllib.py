@@ -1,11 +1,7 @@
 """RLlib: a team trained by one command with shared parameters, flown as ``rllib:DIR``."""
 
-from __future__ import annotations
-
 import json
-import os
 import shutil
-import signal
 from itertools import count
 from pathlib import Path
 from typing import Any
@@ -14,10 +10,10 @@ import numpy as np
 import pytest
 import torch
 
-from indoor_explorers.env import InputError, World, check_policy, make_policy
+from indoor_explorers.env import World, check_policy, make_policy
 from indoor_explorers.env.scenarios.seed_sets import SEED_BLOCK
 from indoor_explorers.learners.baselines.rllib import Rllib
-from tests.learners.baselines.tiny import flown, record_of, train
+from tests.learners.baselines.tiny import cut_and_resume, flown, record_of, refusal, train
 from tests.learners.dddqn.rooms import small_room
 
 pytestmark = pytest.mark.xdist_group("ray")
@@ -86,14 +82,6 @@ def test_the_pilots_see_what_training_saw_bit_for_bit(mask: bool, trained: Path)
 
 
 @pytest.mark.slow
-def test_acting_together_equals_acting_alone(trained: Path) -> None:
-    policy = make_policy(f"rllib:{trained}")
-    together = flown(policy, [1, 2, 3, 4, 5], together=True)
-    assert np.array_equal(together, flown(policy, [1, 2, 3, 4, 5], together=False))
-    assert np.array_equal(together[:, 2:3], flown(policy, [3], together=True))
-
-
-@pytest.mark.slow
 def test_the_policy_passes_the_conformance_suite(trained: Path) -> None:
     check_policy(make_policy(f"rllib:{trained}"))
 
@@ -118,27 +106,15 @@ def test_the_masking_network_gives_illegal_moves_no_chance(trained: Path) -> Non
 @pytest.mark.slow
 @pytest.mark.usefixtures("connected")
 def test_an_interrupted_training_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def interrupt(session: Any, trainee: Any) -> None:
-        if trainee.steps >= 50 and session.checkpoint is None:
-            os.kill(os.getpid(), signal.SIGINT)
-
-    with monkeypatch.context() as patched:
-        patched.setattr("indoor_explorers.learners.sessions.session.Session.report", interrupt)
-        assert train("rllib-ppo", tmp_path / "out", *PPO) == 130
-    cut = record_of(tmp_path / "out")["steps"]
-    assert 50 <= cut < 300
-    make_policy(f"rllib:{tmp_path / 'out'}")
-    assert train("rllib-ppo", tmp_path / "out", *PPO, words=("--resume",)) == 0
-    assert 300 <= record_of(tmp_path / "out")["steps"] < 300 + 80 + cut
+    cut, whole = cut_and_resume("rllib-ppo", tmp_path / "out", PPO, 50, monkeypatch)
+    assert 50 <= cut["steps"] < 300 <= whole["steps"] < 300 + 80 + cut["steps"]
 
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("connected")
 def test_discrete_sac_trains_and_flies(tmp_path: Path) -> None:
     assert train("rllib-sac", tmp_path / "out", *SAC, team=2) == 0
-    policy = make_policy(f"rllib:{tmp_path / 'out'}")
-    together = flown(policy, [1, 2], together=True)
-    assert np.array_equal(together, flown(policy, [1, 2], together=False))
+    assert flown(make_policy(f"rllib:{tmp_path / 'out'}"), [1, 2]).shape == (30, 2, 2, 2)
 
 
 def test_episodes_of_a_training_are_its_own() -> None:
@@ -151,21 +127,17 @@ def test_episodes_of_a_training_are_its_own() -> None:
 
 
 @pytest.mark.slow
-def test_what_is_no_training_is_one_line(trained: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    def refusal(path: Path) -> str:
-        with pytest.raises(InputError) as caught:
-            make_policy(f"rllib:{path}")
-        assert "\n" not in str(caught.value)
-        return str(caught.value)
-
+def test_other_folders_are_refused_in_one_line(
+    trained: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     copy = shutil.copytree(trained, tmp_path / "copy")
-    assert "found no training.json in it" in refusal(tmp_path / "none")
+    assert "found no training.json in it" in refusal(f"rllib:{tmp_path / 'none'}")
     (copy / "weights.safetensors").write_bytes(b"no tensors")
-    assert "expected the weights that rllib-ppo trained" in refusal(copy)
+    assert "expected the weights that rllib-ppo trained" in refusal(f"rllib:{copy}")
     (copy / "weights.safetensors").unlink()
-    assert "weights.safetensors" in refusal(copy)
+    assert "weights.safetensors" in refusal(f"rllib:{copy}")
     (copy / "training.json").write_text(json.dumps(record_of(copy) | {"learner": "sb3-ppo"}))
-    assert "got one of sb3-ppo" in refusal(copy)
+    assert "got one of sb3-ppo" in refusal(f"rllib:{copy}")
     shutil.copy(trained / "training.json", copy)
     (copy / "checkpoint" / "moves.txt").write_text("many")
     assert train("rllib-ppo", copy, *PPO, team=2, words=("--resume",)) == 2

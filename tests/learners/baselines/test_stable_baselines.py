@@ -1,14 +1,11 @@
 """Stable-Baselines3 and sb3-contrib: trained by one command, flown as ``sb3:DIR``, and told in one line when not."""
 
-from __future__ import annotations
-
 import io
 import itertools
 import json
 import os
 import pickle
 import shutil
-import signal
 import sys
 import tempfile
 from importlib import import_module
@@ -27,7 +24,7 @@ from indoor_explorers.evaluation.harness.episodes.runner import fly
 from indoor_explorers.evaluation.harness.experiment.experiment import PolicyChoice, Task
 from indoor_explorers.learners.baselines import sb3_ppo
 from indoor_explorers.learners.baselines.stable_baselines import StableBaselines
-from tests.learners.baselines.tiny import TINY, flown, record_of, train
+from tests.learners.baselines.tiny import TINY, cut_and_resume, flown, record_of, refusal, train
 from tests.learners.dddqn.rooms import small_room
 
 PACKAGE = "indoor_explorers.learners.baselines"
@@ -109,14 +106,6 @@ def test_the_pilot_sees_what_training_saw_bit_for_bit(trained: dict[str, Path]) 
         assert not over.any()
 
 
-@pytest.mark.parametrize("learner", SETTINGS)
-def test_acting_together_equals_acting_alone(learner: str, trained: dict[str, Path]) -> None:
-    policy = make_policy(f"sb3:{trained[learner]}")
-    together = flown(policy, [1, 2, 3, 4, 5], together=True)
-    assert np.array_equal(together, flown(policy, [1, 2, 3, 4, 5], together=False))
-    assert np.array_equal(together[:, 2:3], flown(policy, [3], together=True))
-
-
 def test_the_policy_passes_the_conformance_suite(trained: dict[str, Path]) -> None:
     policy = make_policy(f"sb3:{trained['sb3-qrdqn']}")
     threads = torch.get_num_threads()
@@ -162,19 +151,8 @@ def test_the_same_seed_gives_the_same_weights(trained: dict[str, Path], tmp_path
 
 @pytest.mark.parametrize("learner", ["sb3-maskable-ppo", "sb3-dqn"])
 def test_an_interrupted_training_goes_on(learner: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def interrupt(session: Any, trainee: Any) -> None:
-        if trainee.steps >= 100 and session.checkpoint is None:
-            os.kill(os.getpid(), signal.SIGINT)
-
-    with monkeypatch.context() as patched:
-        patched.setattr("indoor_explorers.learners.sessions.session.Session.report", interrupt)
-        assert train(learner, tmp_path / "out", *SETTINGS[learner]) == 130
-    cut = record_of(tmp_path / "out")
-    assert 100 <= cut["steps"] < 300
-    make_policy(f"sb3:{tmp_path / 'out'}")
-    assert train(learner, tmp_path / "out", *SETTINGS[learner], words=("--resume",)) == 0
-    whole = record_of(tmp_path / "out")
-    assert whole["steps"] >= 300
+    cut, whole = cut_and_resume(learner, tmp_path / "out", SETTINGS[learner], 100, monkeypatch)
+    assert 100 <= cut["steps"] < 300 <= whole["steps"]
     assert whole["evaluations"][-1]["steps"] == whole["steps"]
 
 
@@ -188,14 +166,18 @@ def test_training_and_evaluation_never_share_an_episode() -> None:
         envs.step(np.full(3, 4))
 
 
+def line_of(capsys: pytest.CaptureFixture[str]) -> str:
+    """Return the error that was printed, which is one line."""
+    errors = capsys.readouterr().err
+    assert errors.count("\n") == 1
+    return errors
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
         ((), "already holds a training; give --resume"),
-        (
-            ("--resume", "--set", "hidden=[8]"),
-            "with hidden [16], expected [8]; give the same as then, or another",
-        ),
+        (("--resume", "--set", "hidden=[8]"), "with hidden [16], expected [8]; give the same as then, or another"),
         (("--resume", "--seed", "4"), "with seed 3, expected 4; give the same as then, or another --out"),
     ],
 )
@@ -203,9 +185,7 @@ def test_another_training_in_the_folder_is_refused(
     words: tuple[str, ...], message: str, trained: dict[str, Path], capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert train("sb3-ppo", trained["sb3-ppo"], *SETTINGS["sb3-ppo"], words=words) == 2
-    errors = capsys.readouterr().err
-    assert message in errors
-    assert errors.count("\n") == 1
+    assert message in line_of(capsys)
 
 
 @pytest.mark.parametrize(
@@ -221,63 +201,52 @@ def test_bad_settings_are_one_line(
     learner: str, settings: tuple[str, ...], message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert train(learner, tmp_path / "out", *settings) == 2
-    errors = capsys.readouterr().err
-    assert message in errors
-    assert errors.count("\n") == 1
+    assert message in line_of(capsys)
     assert not (tmp_path / "out").exists()
 
 
 def test_a_team_is_refused_in_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert train("sb3-ppo", tmp_path / "out", *SETTINGS["sb3-ppo"], team=2) == 2
-    assert "expected a scenario with one UAV" in capsys.readouterr().err
+    assert "expected a scenario with one UAV" in line_of(capsys)
     assert not (tmp_path / "out").exists()
 
 
-def test_an_observation_of_the_whole_map_flies_on_maps_of_its_size_alone(tmp_path: Path) -> None:
+def test_an_observation_of_the_whole_map_needs_maps_of_its_size(tmp_path: Path) -> None:
     train("sb3-a2c", tmp_path / "out", *ON_POLICY, "observation=free+obstacle+self", "total_steps=20")
     policy = make_policy(f"sb3:{tmp_path / 'out'}")
-    assert flown(policy, [1], together=True).shape == (30, 1, 2, 2)
+    assert flown(policy, [1]).shape == (30, 1, 2, 2)
     world = World(small_room().with_settings({"map.height": 4, "map.width": 16, "map.obstacles": 0}))
     world.reset([1])
     with pytest.raises(InputError, match="expected a map of 8 x 8 cells as in training, got 4 x 16; train with obser"):
         policy.pilot(world.briefing(0, 0))
 
 
-def refusal(path: Path) -> str:
-    """Return the line that says why a path is no policy."""
-    with pytest.raises(InputError) as caught:
-        make_policy(f"sb3:{path}")
-    assert "\n" not in str(caught.value)
-    return str(caught.value)
-
-
-def test_what_is_no_training_is_one_line(copy: Path, tmp_path: Path) -> None:
-    assert "found no training.json in it" in refusal(tmp_path / "none")
+def test_other_folders_are_refused_in_one_line(copy: Path, tmp_path: Path) -> None:
+    assert "found no training.json in it" in refusal(f"sb3:{tmp_path / 'none'}")
     (copy / "model.zip").write_bytes(b"no zip")
-    assert "expected the weights that sb3-ppo trained" in refusal(copy)
+    assert "expected the weights that sb3-ppo trained" in refusal(f"sb3:{copy}")
     (copy / "model.zip").unlink()
-    assert "model.zip" in refusal(copy)
+    assert "model.zip" in refusal(f"sb3:{copy}")
     (copy / "training.json").write_text(json.dumps(record_of(copy) | {"learner": "rllib-ppo"}))
-    assert "got one of rllib-ppo" in refusal(copy)
+    assert "got one of rllib-ppo" in refusal(f"sb3:{copy}")
     (copy / "training.json").write_text(json.dumps({"policy": "dddqn"}))
-    assert "expected a training of sb3-a2c, sb3-dqn, sb3-maskable-ppo, sb3-ppo, sb3-qrdqn, got one of dddqn" in refusal(
-        copy
-    )
+    expected = "expected a training of sb3-a2c, sb3-dqn, sb3-maskable-ppo, sb3-ppo, sb3-qrdqn, got one of dddqn"
+    assert expected in refusal(f"sb3:{copy}")
     (copy / "training.json").write_text("{")
-    assert "expected JSON" in refusal(copy)
+    assert "expected JSON" in refusal(f"sb3:{copy}")
 
 
 def test_a_model_of_another_shape_is_one_line(copy: Path) -> None:
     record = record_of(copy)
     record["config"]["hidden"] = [8]
     (copy / "training.json").write_text(json.dumps(record))
-    assert "got something else" in refusal(copy)
+    assert "got something else" in refusal(f"sb3:{copy}")
 
 
 def test_a_missing_library_is_told_with_its_extra(copy: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delitem(sys.modules, f"{PACKAGE}.sb3_ppo")
     monkeypatch.setitem(sys.modules, "stable_baselines3", None)
-    assert "no module named 'stable_baselines3'; install indoor-explorers[sb3]" in refusal(copy)
+    assert "no module named 'stable_baselines3'; install indoor-explorers[sb3]" in refusal(f"sb3:{copy}")
 
 
 class Bomb:
@@ -291,16 +260,14 @@ def test_nothing_in_a_model_runs(copy: Path, tmp_path: Path, monkeypatch: pytest
     torch.save(Bomb(), buffer)
     with ZipFile(copy / "model.zip", "w") as archive:
         archive.writestr("policy.pth", buffer.getvalue())
-    assert "expected the weights that sb3-ppo trained" in refusal(copy)
+    assert "expected the weights that sb3-ppo trained" in refusal(f"sb3:{copy}")
     assert not (tmp_path / "gone off").exists()
 
 
 def test_a_damaged_checkpoint_is_one_line(copy: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (copy / "checkpoint.zip").write_bytes(b"no zip")
     assert train("sb3-ppo", copy, *SETTINGS["sb3-ppo"], words=("--resume",)) == 2
-    errors = capsys.readouterr().err
-    assert "expected a checkpoint of sb3-ppo, got a damaged one" in errors
-    assert errors.count("\n") == 1
+    assert "expected a checkpoint of sb3-ppo, got a damaged one" in line_of(capsys)
 
 
 def test_the_tiny_settings_are_settings_of_every_learner() -> None:

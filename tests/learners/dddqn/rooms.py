@@ -1,7 +1,5 @@
 """Maps, beliefs and settings that the learners' tests share."""
 
-from __future__ import annotations
-
 from collections import deque
 from pathlib import Path
 
@@ -13,6 +11,7 @@ from indoor_explorers.env import PRESETS, Policy, Scenario, World
 from indoor_explorers.env.grid.arrays import Belief, Mask
 from indoor_explorers.env.maps import Floorplan
 from indoor_explorers.env.sensing.lidar import scan
+from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
 from indoor_explorers.learners.dddqn.config import TrainingConfig
 from indoor_explorers.learners.dddqn.network.config import NetworkConfig
 from indoor_explorers.learners.dddqn.network.model import arrays, new_network
@@ -20,6 +19,8 @@ from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
 from indoor_explorers.learners.dddqn.observation.layout import observation_layout
 from indoor_explorers.learners.dddqn.observation.map_prior import MapPrior, prior_arrays, prior_from
 from indoor_explorers.learners.dddqn.weights import write_weights
+from indoor_explorers.learners.sessions.checkpoint import CHECKPOINT
+from indoor_explorers.planners.toolbox.networks.tensors import read_tensors
 
 #: A network that is quick to make.
 NARROW = NetworkConfig(width=32, move_width=4)
@@ -77,19 +78,27 @@ def maze(rng: np.random.Generator, rooms: int = 8) -> Mask:
     return free
 
 
+def cells_flown(policy: Policy, world: World) -> NDArray[np.int64]:
+    """Fly the episodes of a world that have begun to their ends; return the cells (T, B, N, 2) after each step."""
+    flight = rollout(world, ask_pilots(policy, make_pilots(policy, world), world))
+    return np.array([world.state.cell.copy() for _ in flight])
+
+
 def fly(policy: Policy, scenario: Scenario, seed: int, free: Mask | None = None) -> World:
-    """Fly one episode to its end."""
+    """Fly one episode to its end, over a map with these free cells (H, W) if they are given."""
     world = World(scenario)
-    plan = None if free is None else Floorplan.from_free(free, "test")
-    world.begin(0, seed, floorplan=plan)
-    team = range(scenario.team)
-    pilots = [policy.pilot(world.briefing(0, n)) for n in team]
-    actions: NDArray[np.int64] = np.full((1, scenario.team), 4)
-    while world.flying.any():
-        flying = np.flatnonzero(world.flying[0])
-        actions[0, flying] = policy.act([pilots[n] for n in flying], [world.view(0, int(n)) for n in flying])
-        world.step(actions)
+    world.begin(0, seed, floorplan=None if free is None else Floorplan.from_free(free, "test"))
+    cells_flown(policy, world)
     return world
+
+
+def assert_same_checkpoints(one: Path, other: Path) -> None:
+    """Demand that the checkpoints of two folders hold the same arrays and the same other state."""
+    (tensors, state), (others, other_state) = (read_tensors(folder / CHECKPOINT) for folder in (one, other))
+    assert state == other_state
+    assert tensors.keys() == others.keys()
+    for name, array in tensors.items():
+        assert np.array_equal(array, others[name]), name
 
 
 def some_prior(seed: int = 0) -> MapPrior:

@@ -1,15 +1,12 @@
 """The policy: deterministic, picklable, and with clear errors."""
 
-from __future__ import annotations
-
-import pickle
 from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from indoor_explorers.env import PRESETS, InputError, Policy, World, check_policy, make_policy
+from indoor_explorers.env import PRESETS, Briefing, InputError, Policy, World, check_policy, make_policy
 from indoor_explorers.env.scenarios.seed_sets import use_of
 from indoor_explorers.learners.dddqn.learning.vector_flight import VectorFlight
 from indoor_explorers.learners.dddqn.observation.config import LAYERS, ObservationConfig
@@ -18,40 +15,19 @@ from indoor_explorers.learners.dddqn.pilot import DddqnPilot
 from indoor_explorers.learners.dddqn.policy import Dddqn
 from indoor_explorers.learners.dddqn.weights import load_weights, shipped
 from indoor_explorers.learners.places.policy import DddqnPlaces
-from tests.learners.dddqn.rooms import fly, small_room, some_prior, write_network
+from tests.learners.dddqn.rooms import cells_flown, fly, small_room, some_prior, write_network
 
 
-def path_flown(policy: Policy, seeds: list[int], *, together: bool, preset: str = "thesis-team-2") -> NDArray[np.int64]:
-    world = World(PRESETS[preset].for_evaluation().with_settings({"budget": 60}), len(seeds))
-    world.reset(seeds)
-    keys = [(b, n) for b in range(len(seeds)) for n in range(2)]
-    pilots = [policy.pilot(world.briefing(*key)) for key in keys]
-    cells = []
-    for _ in range(60):
-        views = [world.view(*key) for key in keys]
-        if together:
-            actions = policy.act(pilots, views)
-        else:
-            actions = [pilot.act(view) for pilot, view in zip(pilots, views, strict=True)]
-        world.step(np.array(actions).reshape(len(seeds), 2))
-        cells.append(world.state.cell.copy())
-    return np.array(cells)
+def flown(policy: Policy, preset: str = "thesis-team-2") -> NDArray[np.int64]:
+    world = World(PRESETS[preset].for_evaluation().with_settings({"budget": 60}))
+    world.reset([1])
+    return cells_flown(policy, world)
 
 
-@pytest.mark.parametrize("guard", [True, False])
-def test_acting_together_equals_acting_alone(untrained: str, guard: bool) -> None:
-    policy = Dddqn(weights=untrained, guard=guard)
-    together = path_flown(policy, [1, 2, 3, 4], together=True)
-    assert np.array_equal(together, path_flown(policy, [1, 2, 3, 4], together=False))
-    assert np.array_equal(together[:, 1:2], path_flown(policy, [2], together=True))
-
-
-def test_a_copy_from_another_process_acts_the_same(untrained: str) -> None:
-    policy = Dddqn(weights=untrained)
-    copy = pickle.loads(pickle.dumps(policy))
-    assert copy == policy
-    assert len(pickle.dumps(policy)) < 1000
-    assert np.array_equal(path_flown(policy, [5], together=True), path_flown(copy, [5], together=True))
+def briefed(name: str, **settings: object) -> Briefing:
+    world = World(PRESETS[name].with_settings(settings))
+    world.reset([1])
+    return world.briefing(0, 0)
 
 
 @pytest.mark.slow  # with shipped weights it is checked among all policies
@@ -75,26 +51,24 @@ def test_it_never_flies_into_a_wall(untrained: str) -> None:
     assert world.team_coverage[0] == 1.0
 
 
-def test_missing_weights_are_told_in_one_line(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"none\.safetensors: expected a safetensors file, found none") as error:
-        Dddqn(weights=str(tmp_path / "none.safetensors"))
-    assert "\n" not in str(error.value)
+def test_weights_that_cannot_be_read_are_refused_in_one_line(tmp_path: Path) -> None:
+    (tmp_path / "bad.safetensors").write_bytes(b"\x80\x04pickled")
+    for weights, match in (
+        (str(tmp_path / "none.safetensors"), r"none\.safetensors: expected a safetensors file, found none"),
+        (str(tmp_path / "bad.safetensors"), "expected a safetensors file, got something else"),
+        ("thesis-opne", r"unknown weights 'thesis-opne' \(expected a name or a path\); did you mean 'thesis-open'"),
+    ):
+        with pytest.raises(InputError, match=match) as error:
+            Dddqn(weights=weights)
+        assert "\n" not in str(error.value)
 
 
 def test_weights_written_anew_are_read_anew(tmp_path: Path) -> None:
     path = tmp_path / "weights.safetensors"
     policy = Dddqn(weights=write_network(path, 1))
-    first = path_flown(policy, [1], together=True)
+    first = flown(policy)
     write_network(path, 2)
-    assert not np.array_equal(first, path_flown(policy, [1], together=True))
-
-
-def test_other_files_are_refused_in_one_line(tmp_path: Path) -> None:
-    bad = tmp_path / "bad.safetensors"
-    bad.write_bytes(b"\x80\x04pickled")
-    with pytest.raises(InputError, match="expected a safetensors file, got something else") as error:
-        Dddqn(weights=str(bad))
-    assert "\n" not in str(error.value)
+    assert not np.array_equal(first, flown(policy))
 
 
 def test_the_shipped_weights_explore_unseen_rooms_well() -> None:
@@ -145,64 +119,47 @@ def test_without_a_network_the_best_candidate_is_followed_on_large_maps(tmp_path
 
 
 def test_large_maps_are_flown_from_place_to_place() -> None:
-    def flown(policy: Policy) -> NDArray[np.int64]:
-        return path_flown(policy, [1], together=False, preset="small-cave")
-
-    alone = flown(Dddqn(network=False))
-    assert np.array_equal(flown(Dddqn()), flown(DddqnPlaces()))
-    assert np.array_equal(alone, flown(DddqnPlaces(network=False)))
-    assert not np.array_equal(alone, flown(Dddqn()))
+    alone, whole = (flown(Dddqn(network=network), "small-cave") for network in (False, True))
+    assert np.array_equal(whole, flown(DddqnPlaces(), "small-cave"))
+    assert np.array_equal(alone, flown(DddqnPlaces(network=False), "small-cave"))
+    assert not np.array_equal(alone, whole)
 
 
 def test_a_network_cannot_be_left_out_where_there_are_no_planner_features() -> None:
     with pytest.raises(InputError, match="expected map_alone with a network"):
         Dddqn(map_alone=True, network=False)
-    world = World(PRESETS["thesis-obstacles"])
-    world.reset([1])
     with pytest.raises(InputError, match="expected weights with planner features"):
-        Dddqn(weights="thesis-obstacles-map", network=False).pilot(world.briefing(0, 0))
+        Dddqn(weights="thesis-obstacles-map", network=False).pilot(briefed("thesis-obstacles"))
 
 
 @pytest.mark.parametrize(("reach", "told"), [(3, {}), (4, {"other_range": 1.0})])
 def test_results_tell_that_weights_fly_a_lidar_range_they_were_not_trained_with(
     reach: int, told: dict[str, float]
 ) -> None:
-    world = World(PRESETS["thesis-open"].with_settings({"lidar.range": reach}))
-    world.reset([1])
-    assert Dddqn(guard=False).pilot(world.briefing(0, 0)).tally() == told
-    assert Dddqn(guard=False, weights="thesis-open").pilot(world.briefing(0, 0)).tally() == {}
-
-
-def test_unknown_weights_are_told_in_one_line() -> None:
-    with pytest.raises(
-        InputError, match=r"unknown weights 'thesis-opne' \(expected a name or a path\); did you mean 'thesis-open'"
-    ):
-        Dddqn(weights="thesis-opne")
+    briefing = briefed("thesis-open", **{"lidar.range": reach})
+    assert Dddqn(guard=False).pilot(briefing).tally() == told
+    assert Dddqn(guard=False, weights="thesis-open").pilot(briefing).tally() == {}
 
 
 def test_the_weights_suit_the_scenario() -> None:
-    def flown(name: str, **settings: object) -> str:
-        world = World(PRESETS[name].with_settings(settings))
-        world.reset([1])
-        return Dddqn().suited(world.briefing(0, 0))
+    def suited(name: str, **settings: object) -> str:
+        return Dddqn().suited(briefed(name, **settings))
 
-    assert flown("office") == "places"
+    assert suited("office") == "places"
     for name in ("thesis-open", "thesis-obstacles", "thesis-team-2-radio-unlimited"):
-        assert flown(name, **{"lidar.range": 4}) == "thesis-obstacles"
-    alone = {name: flown(name) for name in ("thesis-open", "thesis-obstacles")}
+        assert suited(name, **{"lidar.range": 4}) == "thesis-obstacles"
+    alone = {name: suited(name) for name in ("thesis-open", "thesis-obstacles")}
     assert alone == {name: name for name in alone}
-    teams = [flown(f"thesis-team-{team}-radio-{radio}") for team in (2, 4) for radio in (0, 3, "unlimited")]
+    teams = [suited(f"thesis-team-{team}-radio-{radio}") for team in (2, 4) for radio in (0, 3, "unlimited")]
     assert teams == 6 * ["thesis-obstacles"]
     assert {*alone, *teams} <= shipped().keys()
 
 
 def test_weights_that_see_the_map_alone_are_for_small_rooms() -> None:
-    def flown(name: str, **settings: object) -> str:
-        world = World(PRESETS[name].with_settings(settings))
-        world.reset([1])
-        return Dddqn(map_alone=True).suited(world.briefing(0, 0))
+    def suited(name: str, **settings: object) -> str:
+        return Dddqn(map_alone=True).suited(briefed(name, **settings))
 
-    names = {name: flown(name) for name in ("thesis-open", "thesis-obstacles", "thesis-team-2")}
+    names = {name: suited(name) for name in ("thesis-open", "thesis-obstacles", "thesis-team-2")}
     assert list(names.values()) == ["thesis-open-map", "thesis-obstacles-map", "thesis-obstacles-map"]
     assert {*names.values()} <= shipped().keys()
     for name in names.values():
@@ -210,7 +167,7 @@ def test_weights_that_see_the_map_alone_are_for_small_rooms() -> None:
         assert (seen.gains, seen.tours, seen.prospects) == (False, False, False)
     for settings in ({"lidar.range": 9}, {"map.width": 17}):
         with pytest.raises(InputError, match=r"expected a map of up to 16x16 cells and a lidar range of 3 for we"):
-            flown("thesis-obstacles", **settings)
+            suited("thesis-obstacles", **settings)
     with pytest.raises(
         InputError, match=r"expected weights or map_alone, got both: 'thesis-open'; leave one of them out"
     ):

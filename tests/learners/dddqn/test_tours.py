@@ -1,4 +1,4 @@
-"""The tours as a policy: what the DDDQN flies without its network."""
+"""The policy ``tours``, which flies as the DDDQN does without its network."""
 
 from pathlib import Path
 
@@ -43,7 +43,7 @@ def test_states_delay_and_map_prior_change_the_tours() -> None:
     assert moves(Tours(delay=1e-9), room, 4, 45) == moves(Tours(), room, 4, 45)
 
 
-def test_tours_tell_what_they_are_made_of() -> None:
+def test_the_provenance_and_the_limits_of_tours() -> None:
     assert make_policy("tours", states=64) == Tours(states=64)
     assert len(Tours().provenance()["map_prior_sha256"]) == 64
     assert Tours(map_prior=False).provenance() == {}

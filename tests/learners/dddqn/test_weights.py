@@ -1,6 +1,4 @@
-"""Weights files: what they hold, and what is said of those that hold something else."""
-
-from __future__ import annotations
+"""Weights files: their content, and the errors about other files."""
 
 import json
 import os
@@ -55,7 +53,7 @@ def test_a_file_tells_all_that_flying_needs(tmp_path: Path) -> None:
     assert all(np.array_equal(loaded.prior[name], array) for name, array in prior().items())
 
 
-def test_what_ships_is_found_by_name(plain: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_shipped_weights_are_found_by_name(plain: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "_FOLDER", plain.parent)
     plain.with_suffix(".json").write_text("{}", encoding="utf-8")
     assert shipped() == {"plain": plain}

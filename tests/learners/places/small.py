@@ -1,7 +1,5 @@
 """Small scenes and choices for the tests."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -9,7 +7,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env import World, make_policy, scenario
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
-from indoor_explorers.learners.places.choices import Choices
+from indoor_explorers.learners.places.flights import ChoiceArrays
 from indoor_explorers.learners.places.scene import COMMON, MOST, PLACE, Scene
 from indoor_explorers.learners.places.truth import TRUE_COMMON, TRUE_PLACE
 
@@ -32,8 +30,8 @@ def random_scene(count: int, seed: int = 0) -> Scene:
     return Scene(np.arange(count, dtype=np.int32), places, common, costs, np.arange(count), steps, between)
 
 
-def random_choices(count: int, there: int = 3, uav: int = 4) -> Choices:
-    """Choices among ``there`` places with even odds, ``uav`` of each UAV, one UAV to a flight."""
+def random_choices(count: int, there: int = 3, uav: int = 4) -> ChoiceArrays:
+    """ChoiceArrays among ``there`` places with even odds, ``uav`` of each UAV, one UAV to a flight."""
     rng = np.random.default_rng(1)
     is_there = np.broadcast_to(np.arange(MOST) < there, (count, MOST)).copy()
     arrays: dict[str, NDArray[Any]] = {
@@ -49,4 +47,4 @@ def random_choices(count: int, there: int = 3, uav: int = 4) -> Choices:
         "durations": rng.uniform(0.5, 2.0, count).astype(np.float32),
     }
     flights = count // uav
-    return Choices(arrays, np.full(flights, uav), np.arange(flights), rng.uniform(1.0, 3.0, (flights, 2)))
+    return ChoiceArrays(arrays, np.full(flights, uav), np.arange(flights), rng.uniform(1.0, 3.0, (flights, 2)))

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
@@ -7,8 +5,7 @@ import pytest
 
 from indoor_explorers.env import InputError, make_policy
 from indoor_explorers.learners.places.network import Loaded, load_weights, write_weights
-from indoor_explorers.learners.places.pilot import PlacesPilot
-from indoor_explorers.learners.places.policy import SHIPPED, DddqnPlaces
+from indoor_explorers.learners.places.policy import SHIPPED, DddqnPlaces, PlacesPilot
 from indoor_explorers.learners.places.scene import OTHERS, Scene
 from tests.learners.places.small import world_on_a_floor
 from tests.learners.places.test_scene import no_weights, pilot_of
@@ -22,7 +19,7 @@ def seen_of_others(loaded: Loaded, monkeypatch: pytest.MonkeyPatch) -> np.ndarra
         seen.append(scene.places[:, OTHERS].copy())
         return -scene.costs
 
-    monkeypatch.setattr("indoor_explorers.learners.places.pilot.values", noted)
+    monkeypatch.setattr("indoor_explorers.learners.places.policy.values", noted)
     world = world_on_a_floor()
     pilot = PlacesPilot(world.briefing(0, 0), loaded)
     pilot.act(world.view(0, 0))

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 from dataclasses import astuple, fields
 
 import numpy as np
@@ -8,7 +6,7 @@ import pytest
 from indoor_explorers.env import World
 from indoor_explorers.env.grid.cells import FREE
 from indoor_explorers.learners.places.network import Loaded, NetworkWeights, shapes
-from indoor_explorers.learners.places.pilot import PlacesPilot
+from indoor_explorers.learners.places.policy import PlacesPilot
 from indoor_explorers.learners.places.scene import (
     COMMON,
     COSTLIEST,
@@ -71,7 +69,7 @@ def test_costs_are_those_of_the_planner() -> None:
     assert scene.costs.max() <= COSTLIEST
 
 
-def test_without_the_guess_nothing_is_seen_of_it() -> None:
+def test_without_estimates_their_columns_are_zero() -> None:
     world = world_on_a_floor()
     scene = observed(world, guess=False)
     assert not scene.places[:, GUESS][:, 1:].any()
@@ -92,7 +90,7 @@ def test_a_known_map_has_no_places() -> None:
     assert Observer(pilot_of(world)).observe(view._replace(belief=np.full_like(view.belief, FREE))) is None
 
 
-def test_the_network_is_fed_what_the_planner_weighs() -> None:
+def test_the_inputs_depend_on_the_parameters_of_training() -> None:
     planner = FrontierPredictive()
     now = [getattr(planner, field.name) for kind in (TRAINED_ON, TRAINED_OUTLOOK) for field in fields(kind)]
     then = [*astuple(TRAINED_ON), *astuple(TRAINED_OUTLOOK)]

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import json
 import os
 import signal
@@ -11,8 +9,7 @@ import torch
 
 from indoor_explorers.env.grid.cells import FREE, UNREACHABLE
 from indoor_explorers.env.search.bfs import distance_field
-from indoor_explorers.learners.places.choices import Flown, choices_of, read_choices, write_choices
-from indoor_explorers.learners.places.flights import fly
+from indoor_explorers.learners.places.flights import TrainingFlight, choices_of, fly, read_choices, write_choices
 from indoor_explorers.learners.places.learning import (
     DISCOUNT,
     advantages,
@@ -26,8 +23,7 @@ from indoor_explorers.learners.places.model import AdvantageNet, batch_of, weigh
 from indoor_explorers.learners.places.network import Loaded, load_weights
 from indoor_explorers.learners.places.policy import DddqnPlaces
 from indoor_explorers.learners.places.scene import COMMON, MOST, PLACE, Observer
-from indoor_explorers.learners.places.train import TrainingConfig, train
-from indoor_explorers.learners.places.training import PlacesTraining
+from indoor_explorers.learners.places.train import PlacesTraining, TrainingConfig, train
 from indoor_explorers.learners.places.truth import truth_of
 from indoor_explorers.learners.pockets.maps import TrainingMaps
 from indoor_explorers.learners.sessions.session import Progress
@@ -77,7 +73,7 @@ def test_a_better_place_becomes_likelier() -> None:
     assert (learned.argmax(1) == seen[:, :3].argmax(1)).mean() > 0.6
 
 
-def test_nothing_is_learned_from_what_is_common_to_all_places() -> None:
+def test_nothing_is_learned_from_rewards_common_to_all_places() -> None:
     torch.manual_seed(0)
     choices, network = random_choices(8192), AdvantageNet()
     before = outputs(network, choices)[:, :3]
@@ -119,7 +115,7 @@ def test_a_loss_is_minimised() -> None:
 SEED = 3
 
 
-def flown(seed: int) -> Flown:
+def flown(seed: int) -> TrainingFlight:
     torch.manual_seed(0)
     return fly(TrainingMaps(), seed, Loaded(weights_of(AdvantageNet()), 0.45, guess=True, others=True))
 
@@ -161,7 +157,7 @@ def test_an_interrupted_training_equals_a_whole_one_bit_for_bit(
 ) -> None:
     config = TrainingConfig(flights=4, rounds=2, workers=1)
     train(config, None, tmp_path / "whole", seed=2)
-    monkeypatch.setattr("indoor_explorers.learners.places.training.TOGETHER", 2)
+    monkeypatch.setattr("indoor_explorers.learners.places.train.TOGETHER", 2)
     interrupted: list[int] = []
 
     def interrupt(progress: Progress) -> None:

@@ -1,9 +1,8 @@
-from __future__ import annotations
-
 import numpy as np
 import torch
 
-from indoor_explorers.learners.pockets.model import PocketNet, arrays
+from indoor_explorers.learners.pockets.learning import PocketNet
+from indoor_explorers.learners.sessions.networks import network_arrays as arrays
 from indoor_explorers.planners.toolbox.pockets.network import outputs, shapes, weights_from
 
 

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import json
 import os
 import signal
@@ -43,7 +41,7 @@ def random_examples(count: int) -> dict[str, np.ndarray]:
     }
 
 
-def test_training_learns_what_can_be_seen(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_loss_falls_on_learnable_examples(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("indoor_explorers.learners.pockets.learning.BATCH", 32)
     learner = PocketLearner(random_examples(320), epochs=4, seed=0)
     losses: list[float] = []
@@ -96,14 +94,14 @@ def test_examples_of_a_flight_are_complete() -> None:
     assert not found["real"].any()
 
 
-def test_estimates_are_judged_against_what_was_found() -> None:
+def test_estimates_are_judged_against_the_true_pockets() -> None:
     sizes = np.array([0.0, 0.0, 50.0, 50.0], np.float32)
     sure = np.where(sizes[:, None] > np.array(THRESHOLDS), 9.0, -9.0)
     outputs = np.concatenate([sure, np.zeros((4, OUTPUTS - len(THRESHOLDS)))], axis=1).astype(np.float32)
     row = judged("a", {"sizes": sizes}, estimates_from(outputs))
     assert row.aucs == (1.0, 1.0, 1.0)
-    assert row.found == (0.5, 0.5, 0.5)
-    assert row.told == pytest.approx((0.5, 0.5, 0.5), abs=1e-3)
+    assert row.observed == (0.5, 0.5, 0.5)
+    assert row.predicted == pytest.approx((0.5, 0.5, 0.5), abs=1e-3)
     assert row.entropy < 1e-3
     assert auc(np.array([True, False, True, False]), np.array([1.0, 1.0, 1.0, 1.0])) == 0.5
     assert np.isnan(auc(np.ones(3, np.bool_), np.arange(3.0)))

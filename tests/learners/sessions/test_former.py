@@ -1,4 +1,4 @@
-"""The commands that trained some learners before: what they have become."""
+"""Training commands of earlier versions and their translations."""
 
 import shlex
 

@@ -4,6 +4,7 @@ import json
 
 import pytest
 
+from indoor_explorers.env import InputError
 from indoor_explorers.env.scenarios.seed_sets import SEED_SETS, SeedUse, use_of
 from indoor_explorers.learners.dddqn.presets import PRESETS
 from indoor_explorers.learners.sessions.seeds import (
@@ -29,6 +30,12 @@ def test_no_training_or_validation_flies_a_seed_of_a_set(seed):
     ]
     for flown in (training, prior, validation):
         assert not any(flown.start < each.seeds.stop and each.first < flown.stop for each in SEED_SETS)
+
+
+@pytest.mark.parametrize("seed", [-1, MOST_SEEDS])
+def test_a_seed_without_a_block_is_refused(seed):
+    with pytest.raises(InputError, match=f"expected a seed from 0 to 1048575, got {seed}"):
+        training_seeds(seed)
 
 
 def test_a_record_tells_the_seeds_of_training_validation_and_choice(tmp_path):

@@ -1,7 +1,5 @@
 """The session around a training: schedules, the best network, resuming, and records written before."""
 
-from __future__ import annotations
-
 import itertools
 import json
 import os
@@ -53,9 +51,10 @@ class Counter(Trainee):
         (folder / CHECKPOINT).write_text(str(self.steps))
 
 
-def session(out: Path, seed: int = 1, *, resume: bool = False) -> Session:
-    record = new_record("counter", CONFIG, small_room(), seed)
-    return Session(record, CONFIG, out, CHECKPOINT, resume=resume, report=None)
+def session(out: Path, seed: int = 1, *, batch: int = 256, obstacles: int = 2, resume: bool = False) -> Session:
+    config = CONFIG.model_copy(update={"batch": batch})
+    record = new_record("counter", config, small_room(obstacles), seed)
+    return Session(record, config, out, CHECKPOINT, resume=resume, report=None)
 
 
 def steps(out: Path) -> list[float]:
@@ -109,14 +108,29 @@ def test_an_interrupt_waits_for_the_update_and_everything_is_written(tmp_path: P
     assert (read_record(tmp_path, TrainingRecord, ["counter"]).done, steps(tmp_path)) == (False, [])
 
 
+def test_each_commit_that_a_training_ran_under_is_recorded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    commits = iter(["first", "second", "second", "third"])
+    monkeypatch.setattr("indoor_explorers.learners.sessions.record.source_commit", lambda: next(commits))
+    for _ in range(4):
+        run = session(tmp_path, resume=True)
+        run.write(Counter(run))
+    record = read_record(tmp_path, TrainingRecord, ["counter"])
+    assert (record.commit, record.commits) == ("first", ("first", "second", "third"))
+
+
 def test_other_trainings_are_refused(tmp_path: Path) -> None:
     run = session(tmp_path)
     trainee = Counter(run)
     run.run(trainee)
     with pytest.raises(InputError, match="already holds a training; give --resume"):
         session(tmp_path)
-    with pytest.raises(InputError, match="with seed 1, expected 2"):
-        session(tmp_path, 2, resume=True)
+    for change, match in (
+        ({"seed": 2}, "with seed 1, expected 2"),
+        ({"batch": 8}, "with batch 256, expected 8"),
+        ({"obstacles": 3}, "with task"),
+    ):
+        with pytest.raises(InputError, match=match):
+            session(tmp_path, **change, resume=True)
     with pytest.raises(InputError, match="expected a training of dddqn, got one of counter"):
         read_record(tmp_path, TrainingRecord, ["dddqn"])
 

@@ -1,14 +1,12 @@
 """Settings that the tests of the thesis's learner share."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from indoor_explorers.env import PRESETS, Scenario
+from indoor_explorers.learners.sessions.networks import network_arrays
 from indoor_explorers.learners.thesis.config import TrainingConfig
-from indoor_explorers.learners.thesis.network import new_network
-from indoor_explorers.learners.thesis.sizes import ImageFormat
-from indoor_explorers.learners.thesis.weights import write_weights
+from indoor_explorers.learners.thesis.inference import ImageFormat, write_weights
+from indoor_explorers.learners.thesis.learner import new_network
 
 #: What the thesis's network sees, and what the mended one does.
 THESIS, MENDED_FORMAT = ImageFormat(16, 16, 1, False), ImageFormat(16, 16, 4, True)
@@ -34,5 +32,5 @@ def short(name: str, budget: int = 25) -> Scenario:
 def write_network(path: Path, seed: int, image_format: ImageFormat = THESIS) -> str:
     """Write the weights of an untrained network."""
     network = new_network(image_format, "actions", seed)
-    write_weights(path, {name: value.numpy() for name, value in network.state_dict().items()}, image_format)
+    write_weights(path, network_arrays(network), image_format)
     return str(path)

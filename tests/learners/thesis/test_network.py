@@ -1,14 +1,13 @@
-"""The thesis's network: its layers, its two ways to take the mean advantage, and its compiled twin."""
+"""The thesis's network: its layers, its two ways to take the mean advantage, and its compiled forward pass."""
 
 import numpy as np
 import pytest
 import torch
 
 from indoor_explorers.env import InputError
-from indoor_explorers.learners.thesis.inference import q_values, weights_from
-from indoor_explorers.learners.thesis.network import duel, new_network
+from indoor_explorers.learners.thesis.inference import ImageFormat, q_values, weights_from
+from indoor_explorers.learners.thesis.learner import duel, new_network
 from indoor_explorers.learners.thesis.observation import LEVELS
-from indoor_explorers.learners.thesis.sizes import ImageFormat
 
 from .rooms import MENDED_FORMAT, THESIS
 
@@ -30,7 +29,7 @@ def test_the_layers_are_those_of_the_thesis():
     assert sum(value.numel() for value in network.state_dict().values()) == 665_765
 
 
-def test_what_the_convolutions_see_of_each_other():
+def test_the_sizes_after_each_convolution():
     sizes, x = [], images(THESIS, 1)[1]
     for layer in new_network(THESIS, "batch", 1).convolutions:
         x = layer(x)

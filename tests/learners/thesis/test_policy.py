@@ -1,7 +1,6 @@
-"""The policy: its contract, its observation the training's, its errors in one line."""
+"""The policy: it observes as its training did, and its errors are one line."""
 
 import json
-import pickle
 from pathlib import Path
 
 import numpy as np
@@ -9,9 +8,9 @@ import pytest
 from safetensors.numpy import load_file, save_file
 
 from indoor_explorers.env import PRESETS, InputError, World, check_policy, make_policy
+from indoor_explorers.learners.thesis.inference import trained
 from indoor_explorers.learners.thesis.policy import DddqnThesis
 from indoor_explorers.learners.thesis.vector_flight import ImageFlight
-from indoor_explorers.learners.thesis.weights import trained
 
 from .rooms import CENTRED, MENDED_FORMAT, THESIS, write_network
 
@@ -54,19 +53,6 @@ def test_a_pilot_sees_what_its_training_saw(untrained):
         world.step(actions.reshape(2, 4))
 
 
-def test_acting_together_equals_acting_alone(untrained):
-    policy = DddqnThesis(weights=untrained)
-    world = World(PRESETS["thesis-team-2"].with_settings({"on_collision": "block"}), 3)
-    world.reset([1, 2, 3])
-    keys = [(b, n) for b in range(3) for n in range(2)]
-    crews = [[policy.pilot(world.briefing(*key)) for key in keys] for _ in range(2)]
-    for _ in range(15):
-        views = [world.view(*key) for key in keys]
-        together = policy.act(crews[0], views)
-        assert together == [pilot.act(view) for pilot, view in zip(crews[1], views, strict=True)]
-        world.step(np.array(together).reshape(3, 2))
-
-
 def test_with_the_mask_no_wall_is_hit(untrained):
     for mask in (True, False):
         world = World(PRESETS["thesis-obstacles"].with_settings({"on_collision": "block"}))
@@ -76,12 +62,6 @@ def test_with_the_mask_no_wall_is_hit(untrained):
         for _ in range(30):
             world.step(np.array([[pilot.act(world.view(0, 0))]]))
         assert bool(world.state.collisions.sum() == 0) is mask
-
-
-def test_a_copy_is_small_and_equal(untrained):
-    policy = DddqnThesis(weights=untrained)
-    assert pickle.loads(pickle.dumps(policy)) == policy
-    assert len(pickle.dumps(policy)) < 1000
 
 
 def test_files_that_are_no_such_weights_are_refused_in_one_line(tmp_path):

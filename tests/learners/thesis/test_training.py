@@ -1,4 +1,4 @@
-"""The training: what is remembered and learned when, what each switch changes there, and resuming bit for bit."""
+"""The thesis's training: its memory, the schedule of updates, the effect of each switch, and resuming bit for bit."""
 
 import csv
 import json
@@ -6,16 +6,14 @@ import json
 import numpy as np
 import pytest
 import torch
-from safetensors.numpy import load_file
 
 from indoor_explorers.env import InputError
 from indoor_explorers.env.scenarios.seed_sets import SEED_BLOCK
 from indoor_explorers.env.simulation.state import End
-from indoor_explorers.learners.sessions.checkpoint import CHECKPOINT
 from indoor_explorers.learners.sessions.record import RECORD
 from indoor_explorers.learners.thesis.config import MENDED, TrainingConfig
-from indoor_explorers.learners.thesis.train import train
-from indoor_explorers.learners.thesis.training import EPISODES, ThesisTraining
+from indoor_explorers.learners.thesis.train import EPISODES, ThesisTraining, train
+from tests.learners.dddqn.rooms import assert_same_checkpoints
 
 from .rooms import TINY, short, write_network
 
@@ -39,24 +37,23 @@ class Stop(Exception):
 def test_a_training_cut_at_any_moment_goes_on_bit_for_bit(tmp_path, monkeypatch, settings):
     config, scenario = changed(**settings), short("thesis-team-2-radio-3")
     whole = train(config, scenario, tmp_path / "whole", seed=3)
-    monkeypatch.setattr(ThesisTraining, "evaluate", _stopping(ThesisTraining.evaluate, after=1))
+    monkeypatch.setattr(ThesisTraining, "evaluate", _stopping(ThesisTraining.evaluate))
     with pytest.raises(Stop):
         train(config, scenario, tmp_path / "cut", seed=3)
     monkeypatch.undo()
     resumed = train(config, scenario, tmp_path / "cut", seed=3, resume=True)
-    first, second = load_file(whole.parent / CHECKPOINT), load_file(resumed.parent / CHECKPOINT)
-    assert first.keys() == second.keys()
-    assert all(np.array_equal(first[name], second[name]) for name in first)
+    assert_same_checkpoints(whole.parent, resumed.parent)
     assert whole.read_bytes() == resumed.read_bytes()
     assert (whole.parent / EPISODES).read_text() == (resumed.parent / EPISODES).read_text()
     assert _evaluations(whole.parent) == _evaluations(resumed.parent)
 
 
-def _stopping(evaluate, after):
+def _stopping(evaluate):
+    """Return an evaluation that stops the training when it is called for the second time."""
     taken = []
 
     def stop_after(training):
-        if len(taken) == after:
+        if taken:
             raise Stop
         taken.append(evaluate(training))
         return taken[-1]
@@ -69,20 +66,7 @@ def _evaluations(folder):
     return record["evaluations"], record["training_coverage_by_step"], record["greedy_coverage_by_step"]
 
 
-def test_a_resumed_training_records_each_commit_that_it_ran_under(tmp_path, monkeypatch):
-    commits = iter(["first", "second", "second"])
-    monkeypatch.setattr("indoor_explorers.learners.sessions.record.source_commit", lambda: next(commits))
-    for after in (0, 1):
-        with monkeypatch.context() as cut:
-            cut.setattr(ThesisTraining, "evaluate", _stopping(ThesisTraining.evaluate, after))
-            with pytest.raises(Stop):
-                train(TINY, short("thesis-open"), tmp_path, seed=3, resume=True)
-    train(TINY, short("thesis-open"), tmp_path, seed=3, resume=True)
-    record = json.loads((tmp_path / RECORD).read_text())
-    assert (record["commit"], record["commits"]) == ("first", ["first", "second"])
-
-
-def test_what_is_left_behind(tmp_path):
+def test_the_files_of_a_training_describe_it(tmp_path):
     seen = []
     scenario = short("thesis-open")
     path = train(TINY, scenario, tmp_path / "out", seed=5, report=seen.append)
@@ -97,18 +81,6 @@ def test_what_is_left_behind(tmp_path):
     assert seen[-1].episodes >= 12
     assert seen[-1].evaluation["episodes"] == seen[-1].episodes
     assert seen[-1].total_steps >= seen[-1].steps > 0
-
-
-def test_another_training_in_the_folder_is_refused(tmp_path):
-    train(TINY, short("thesis-open"), tmp_path, seed=1)
-    with pytest.raises(InputError, match="already holds a training; give --resume"):
-        train(TINY, short("thesis-open"), tmp_path, seed=1)
-    with pytest.raises(InputError, match="with seed 1, expected 2"):
-        train(TINY, short("thesis-open"), tmp_path, seed=2, resume=True)
-    with pytest.raises(InputError, match="with terminal_target zero, expected reward"):
-        train(changed(terminal_target="reward"), short("thesis-open"), tmp_path, seed=1, resume=True)
-    with pytest.raises(InputError, match="with task"):
-        train(TINY, short("thesis-obstacles"), tmp_path, seed=1, resume=True)
 
 
 def test_a_score_is_the_sum_of_an_episodes_rewards():
@@ -172,7 +144,7 @@ def test_frames_are_stacked_and_the_first_one_repeated():
 
 
 @pytest.mark.parametrize(("mates", "learning"), [("random", 1), ("learn", 2)])
-def test_only_the_first_uavs_moves_are_learned_from_or_everybodys(mates, learning):
+def test_the_moves_of_the_first_uav_or_of_all_are_learned_from(mates, learning):
     training = flown(changed(mates=mates, memory=500), short("thesis-team-2-radio-0"), 1)
     assert training.steps == training.replay.written == 2 * learning
     codes = [set(np.unique(image)) - {0, 1, 2} for image in training.replay.data.images[: training.replay.written, 0]]
@@ -226,11 +198,6 @@ def test_a_team_starts_from_the_weights_of_one_uav(tmp_path):
     assert torch.equal(training.learner.online.first.weight, training.learner.target.first.weight)
     with pytest.raises(InputError, match="expected weights of a network that sees"):
         ThesisTraining(changed(initial_weights=path, frame_stack=4), short("thesis-team-2-radio-0"), 1)
-
-
-def test_a_negative_seed_is_refused():
-    with pytest.raises(InputError, match="expected a seed from 0 to 1048575, got -1"):
-        ThesisTraining(TrainingConfig(), short("thesis-open"), -1)
 
 
 @pytest.mark.slow

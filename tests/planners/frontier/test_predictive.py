@@ -30,17 +30,12 @@ def test_on_most_floors_it_needs_fewer_steps_than_without_estimates(name: str, w
     assert np.median(ratios) < 0.97
 
 
-@pytest.mark.parametrize("name", ["frontier-predictive", "pso-predictive", "rrt-predictive"])
+@pytest.mark.parametrize("name", ["frontier-predictive", "pso-predictive", "rrt-predictive", "pomdp"])
 def test_it_tells_what_its_estimates_saw(name: str) -> None:
     policy = make_policy(name)
     assert policy.seen_maps() == {"training": ["floors/train", "dungeons/train"]}
     assert len(policy.provenance()["pocket_weights"]) >= 12
-
-
-@pytest.mark.parametrize("name", ["skip", "risk", "visit", "near", "aim", "latency"])
-def test_bad_parameters_are_refused(name: str) -> None:
-    with pytest.raises(InputError, match=f"expected {name} of at least"):
-        make_policy("frontier-predictive", **{name: -1.0})
+    assert not policy.uses_generator
 
 
 def test_the_paper_s_revenue_has_no_estimates() -> None:

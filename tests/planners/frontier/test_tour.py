@@ -6,8 +6,9 @@ from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.grid.cells import FREE
 from indoor_explorers.planners.frontier.tour import DistanceCache, FrontierTour
 from indoor_explorers.planners.toolbox.navigation.paths import Paths
+from tests.planners.flights import view_of
 
-from .test_group_pilot import corridor, pilot_of, view_of
+from .test_group_pilot import corridor, pilot_of
 
 
 def test_it_takes_the_lone_frontier_first_when_that_saves_the_way_back() -> None:

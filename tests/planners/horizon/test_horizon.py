@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from indoor_explorers.env import InputError, Policy, make_policy, scenario
+from indoor_explorers.env import Policy, make_policy, scenario
 from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.search.bitsets import unpacked
 from indoor_explorers.evaluation.harness.episodes.runner import fly
@@ -80,10 +80,3 @@ def test_large_maps_are_flown_by_clusters() -> None:
     assert rollout.complete
     assert isinstance(rollout.pilots[0], JointPilot)
     assert isinstance(flights.fly(Horizon(), flights.rooms(2, 4, 1)).pilots[0], HorizonPilot)
-
-
-def test_bad_parameters_are_refused() -> None:
-    with pytest.raises(InputError, match="expected width of at least 1"):
-        Horizon(width=0)
-    with pytest.raises(InputError, match="expected prior to be source, belief or none"):
-        make_policy("horizon", prior="truth")

@@ -3,12 +3,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from indoor_explorers.env import InputError, World, make_policy, scenario
 from indoor_explorers.env.grid.arrays import Belief, Cell
-from indoor_explorers.env.maps.floorplan import Floorplan
-from indoor_explorers.planners.pomdp.policy import Pomdp, PomdpPilot, Window
+from indoor_explorers.planners.pomdp.policy import Window
 from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters
-from tests.planners.flights import fly, rooms
 
 
 @pytest.mark.parametrize("reach", [1, 4, 50])
@@ -32,38 +29,3 @@ def test_clusters_outside_of_a_window_are_empty() -> None:
     assert inside.size == clusters.size
     assert np.diff(inside.ends).sum() == 2
     assert set(inside.cells.tolist()) == {3 - 1, 5 - 1}
-
-
-def test_it_leaves_a_frontier_to_the_linked_teammate_that_flies_there() -> None:
-    world = World(scenario("thesis-team-2").with_settings({"radio.model": "unlimited", "lidar.range": 3.0}))
-    free = np.ones((1, 41), np.bool_)
-    world.begin(0, 0, floorplan=Floorplan.from_free(free, "corridor"), spawns=[(0, 20), (0, 21)])
-    world.post(0, 1, (0.0, 17.0))
-    world.step(np.array([[4, 4]]))
-    pilot = PomdpPilot(world.briefing(0, 0), Pomdp(dimming=1.0))
-    pilot.act(world.view(0, 0))
-    assert pilot.goal == (0, 24)
-    assert pilot.message == (0.0, 24.0)
-
-
-def test_far_from_all_frontiers_it_flies_to_the_nearest() -> None:
-    flight = fly(make_policy("pomdp", horizon=4.0), rooms(2, 6, 1), lidar=2.0)
-    assert flight.complete
-    tally = flight.pilots[0].tally()
-    assert 0 < tally["out_of_range"] < tally["plans"]
-
-
-def test_a_team_explores_with_few_simulations() -> None:
-    policy = make_policy("pomdp", simulations=1, maps=1, tree=1)
-    assert fly(policy, rooms(2, 4, 1), team=3, radio=("disc", 6.0)).complete
-
-
-def test_it_tells_of_its_estimates() -> None:
-    assert set(Pomdp().provenance()) == {"pocket_weights"}
-    assert not Pomdp.uses_generator
-
-
-@pytest.mark.parametrize("parameters", [{"simulations": 0}, {"dimming": 2.0}, {"horizon": 0.0}])
-def test_wrong_parameters_are_refused(parameters: dict[str, float]) -> None:
-    with pytest.raises(InputError, match="Pomdp: expected"):
-        make_policy("pomdp", **parameters)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from indoor_explorers.env import PRESETS, InputError, make_policy
+from indoor_explorers.env import PRESETS, make_policy
 from indoor_explorers.evaluation.harness.episodes.record import Outcome, Record
 from indoor_explorers.evaluation.harness.episodes.runner import fly
 from indoor_explorers.evaluation.harness.experiment.experiment import Task
@@ -46,9 +46,3 @@ def test_where_it_does_not_search_it_flies_as_the_reference(scenario, parameters
     assert record.cells.tolist() == reference.cells.tolist()
     assert record.metrics["pilot_proved"] == 0.0
     assert "pilot_lower_bound" not in record.metrics
-
-
-@pytest.mark.parametrize(("name", "value"), [("expansions", -1), ("aim", 0.0), ("aim", 1.1)])
-def test_parameters_that_make_no_sense_are_refused(name, value):
-    with pytest.raises(InputError, match=f"expected {name}"):
-        make_policy("optimum", **{name: value})

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from indoor_explorers.env import InputError, Policy, World, check_policy, make_policy, scenario
+from indoor_explorers.env import Policy, World, check_policy, make_policy, scenario
 from indoor_explorers.env.grid.arrays import Belief, Mask
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
@@ -169,11 +169,3 @@ def test_what_is_known_and_what_others_will_see_is_not_planned_for() -> None:
 
 def test_it_knows_nothing_but_its_prior() -> None:
     check_policy(QUICK)
-
-
-@pytest.mark.parametrize(
-    "parameters", [{"aim": 0.0}, {"aim": 1.5}, {"restarts": 0}, {"distrust": -0.1}, {"period": -1.0}]
-)
-def test_parameters_that_make_no_sense_are_refused(parameters: dict[str, float]) -> None:
-    with pytest.raises(InputError, match=f"PriorTour: expected {next(iter(parameters))}"):
-        PriorTour(**parameters)  # type: ignore[arg-type]

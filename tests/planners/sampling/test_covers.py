@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from indoor_explorers.planners.sampling.covers import distinct, greedy_cover
+from indoor_explorers.planners.sampling.samples import border_cells, merged
 
 
 def some_sets(seed: int) -> list[set[int]]:
@@ -54,3 +55,16 @@ def test_distinct_views_have_little_in_common(seed: int, overlap: float) -> None
             chosen.append(k)
     assert distinct(as_bits(sets), overlap, 30).tolist() == chosen
     assert distinct(as_bits(sets), overlap, 3).tolist() == chosen[:3]
+
+
+def test_near_candidates_are_merged() -> None:
+    cells = np.array([0, 1, 2, 3, 4, 9, 30], np.int32)
+    assert cells[merged(cells, 3.0, 10, len(cells))].tolist() == [0, 3, 9, 30]
+    assert merged(cells[:0], 3.0, 10, 5).tolist() == []
+
+
+def test_border_cells_are_unknown_beside_free() -> None:
+    belief = np.array([[1, 0, 0, 1], [2, 0, 0, 0]], np.uint8)
+    whole = np.array([0, 0]), np.array([2, 4])
+    assert border_cells(belief, *whole).tolist() == [[0, 1], [0, 2], [1, 3]]
+    assert border_cells(belief, np.array([0, 0]), np.array([1, 2])).tolist() == [[0, 1]]

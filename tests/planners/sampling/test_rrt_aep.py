@@ -5,19 +5,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from indoor_explorers.env import InputError, make_policy
-from indoor_explorers.planners.sampling.memory import ViewpointMemory
-from indoor_explorers.planners.toolbox.navigation.teammates import message_of
-from tests.planners.flights import fly, rooms
-
-
-def test_it_needs_fewer_steps_than_the_nearest_frontier() -> None:
-    maps = [*(rooms(3, 9, seed) for seed in range(2)), *(np.ones((16, 16), np.bool_),) * 2]
-    steps = {
-        name: [fly(make_policy(name), free, seed=seed).steps for seed, free in enumerate(maps)]
-        for name in ("rrt-aep", "frontier-nearest")
-    }
-    assert sum(steps["rrt-aep"]) < 0.95 * sum(steps["frontier-nearest"])
+from indoor_explorers.env import make_policy
+from indoor_explorers.env.grid.cells import FREE, UNREACHABLE
+from indoor_explorers.env.policies.view import View
+from indoor_explorers.env.search.bfs import distance_field
+from indoor_explorers.env.sensing.lidar import view_gain
+from indoor_explorers.planners.sampling import rrt_aep
+from indoor_explorers.planners.sampling.rrt_aep import RrtAep, ViewpointMemory
+from tests.planners.flights import fly, rooms, view_of, world_on
 
 
 def test_trees_are_grown_now_and_then(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -42,27 +37,43 @@ def test_trees_are_grown_now_and_then(monkeypatch: pytest.MonkeyPatch) -> None:
     assert counts[1][0] == counts[1][1]
 
 
-def test_where_trees_find_nothing_the_nearest_frontier_is_next() -> None:
-    policy = make_policy("rrt-aep", samples=1, near_samples=0, bias=0.0, local_ranges=0.5)
-    flight = fly(policy, rooms(2, 4, 0), budget=2000)
-    assert flight.complete
-    assert flight.pilots[0].tally()["fallbacks"] > 0
+def half_known() -> tuple[ViewpointMemory, View, np.ndarray]:
+    world = world_on(np.ones((12, 30), np.bool_), [(6, 4)])
+    belief = np.zeros((12, 30), np.uint8)
+    belief[:, :15] = FREE
+    visited = np.zeros(belief.shape, np.bool_)
+    visited[6, :13] = True
+    view = view_of(belief, (6, 4))._replace(visited=visited)
+    return ViewpointMemory(world.briefing(0, 0), RrtAep()), view, distance_field(belief, (6, 4)).ravel()
 
 
-def test_it_tells_its_goal() -> None:
-    flight = fly(make_policy("rrt-aep"), rooms(3, 5, 1), team=2, radio=("unlimited", 0.0), budget=12)
-    for pilot in flight.pilots:
-        assert pilot.message == message_of(pilot.goal)
+def test_what_is_recalled_shows_something_and_the_nearest_comes_first() -> None:
+    kept, view, steps = half_known()
+    kept.grow(view, (6.0, 50), (30.0, 200))
+    cells, gains = kept.recalled(view, steps)
+    assert len(cells) == len(gains) == len(set(cells.tolist())) > 5
+    assert (np.diff(steps[cells]) >= 0).all()
+    assert not view.visited.ravel()[cells].any()
+    for cell, gain in zip(cells.tolist(), gains.tolist(), strict=True):
+        assert gain > 0.0
+        assert view_gain(view.belief, divmod(cell, 30), 3.0) > 0
 
 
-@pytest.mark.parametrize("radio", [("none", 0.0), ("disc", 4.0), ("unlimited", 0.0)], ids=lambda radio: radio[0])
-def test_nobody_dithers(radio: tuple[str, float]) -> None:
-    flight = fly(make_policy("rrt-aep"), rooms(3, 5, 2), team=4, radio=radio)
-    assert flight.complete
-    assert flight.longest_dither <= 6
+def test_viewpoints_that_show_nothing_or_cannot_be_reached_are_forgotten() -> None:
+    kept, view, steps = half_known()
+    everything_known = view._replace(belief=np.full((12, 30), FREE, np.uint8))
+    for now, ways in ((everything_known, steps), (view, np.full_like(steps, UNREACHABLE))):
+        kept.grow(view, (30.0, 200))
+        assert len(kept.recalled(view, steps)[0])
+        assert not len(kept.recalled(now, ways)[0])
+        assert not len(kept.recalled(view, steps)[0])
 
 
-@pytest.mark.parametrize("name", ["near_samples", "local_period", "global_period", "places", "lookouts"])
-def test_bad_parameters_are_refused(name: str) -> None:
-    with pytest.raises(InputError, match=f"expected {name} of at least"):
-        make_policy("rrt-aep", **{name: -1})
+def test_what_is_not_judged_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    kept, view, steps = half_known()
+    kept.grow(view, (30.0, 200))
+    monkeypatch.setattr(rrt_aep, "JUDGED", 1)
+    found = [kept.recalled(view, steps)[0] for _ in range(2)]
+    assert max(map(len, found)) <= 1
+    monkeypatch.setattr(rrt_aep, "JUDGED", 1000)
+    assert len(kept.recalled(view, steps)[0]) > 5

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
-from indoor_explorers.planners.sampling.segments import ALL_KNOWN, BLOCKED, entries, fly
+from indoor_explorers.planners.sampling.segments import ALL_KNOWN, BLOCKED, entries, trace
 
 
 def touched(a: np.ndarray, b: np.ndarray) -> set[tuple[int, int]]:
@@ -20,7 +20,7 @@ def test_flights_agree_with_dense_sampling(seed: int) -> None:
     a, b = rng.random((2, 2)) * belief.shape
     belief[tuple(np.floor(a).astype(int))] = FREE
     values = {int(belief[cell]) for cell in touched(a, b)}
-    answer = fly(belief, *a, *b)
+    answer = trace(belief, *a, *b)
     assert (answer == BLOCKED) == (OCCUPIED in values)
     if answer != BLOCKED:
         assert (answer == ALL_KNOWN) == (UNKNOWN not in values)
@@ -32,12 +32,12 @@ def test_flights_agree_with_dense_sampling(seed: int) -> None:
 
 
 def test_leaving_the_map_is_blocked() -> None:
-    assert fly(np.ones((4, 4), np.uint8), 1.5, 1.5, 1.5, 4.5) == BLOCKED
+    assert trace(np.ones((4, 4), np.uint8), 1.5, 1.5, 1.5, 4.5) == BLOCKED
 
 
 def test_touching_corners_let_nobody_through() -> None:
     belief = np.array([[1, 2], [2, 1]], np.uint8)
-    assert fly(belief, 0.5, 0.5, 1.5, 1.5) == BLOCKED
+    assert trace(belief, 0.5, 0.5, 1.5, 1.5) == BLOCKED
 
 
 def test_only_first_entries_count() -> None:

@@ -7,23 +7,9 @@ import numpy as np
 import pytest
 
 from indoor_explorers.env.grid.arrays import Belief
-from indoor_explorers.planners.sampling.segments import BLOCKED, fly
+from indoor_explorers.planners.sampling.rrt_nbv import best_branch
+from indoor_explorers.planners.sampling.segments import BLOCKED, trace
 from indoor_explorers.planners.sampling.trees import Tree, grow_tree
-from tests.planners.sampling.processes import assert_same_in_any_process_and_order
-
-DIGEST = """
-import hashlib, sys
-import numpy as np
-from indoor_explorers.planners.sampling.trees import grow_tree
-belief = np.ones((30, 40), np.uint8)
-belief[np.random.default_rng(1).random((30, 40)) < 0.1] = 2
-belief[0, 0] = 1
-for seed in map(int, sys.argv[1:]):
-    samples = np.random.default_rng(seed).random((200, 2)) * (30, 40)
-    for optimal in (False, True):
-        tree = grow_tree(belief, (0.5, 0.5), samples, 4.0, optimal=optimal)
-        print(seed, optimal, hashlib.sha256(tree.vertices.tobytes() + tree.parents.tobytes()).hexdigest())
-"""
 
 
 def some_belief() -> Belief:
@@ -36,13 +22,6 @@ def some_belief() -> Belief:
 def some_tree(seed: int = 0, *, optimal: bool = False) -> Tree:
     samples = np.random.default_rng(seed).random((200, 2)) * (30, 40)
     return grow_tree(some_belief(), (0.5, 0.5), samples, 4.0, optimal=optimal)
-
-
-def test_trees_do_not_depend_on_process_or_order(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    some_tree()  # what has to be compiled is compiled here, where nobody minds that it says so
-    assert_same_in_any_process_and_order(DIGEST, monkeypatch, capsys)
 
 
 def test_a_process_that_exits_in_flight_says_nothing() -> None:
@@ -72,7 +51,7 @@ def test_edges_are_short_and_clear(optimal: bool) -> None:
     assert len(tree.vertices) > 50
     for vertex, parent in zip(tree.vertices[1:], tree.parents[1:].tolist(), strict=True):
         assert np.hypot(*(vertex - tree.vertices[parent])) <= 4.0 + 1e-9
-        assert fly(belief, *tree.vertices[parent], *vertex) != BLOCKED
+        assert trace(belief, *tree.vertices[parent], *vertex) != BLOCKED
 
 
 @pytest.mark.parametrize("optimal", [False, True])
@@ -114,3 +93,32 @@ def test_a_walled_in_root_grows_nothing() -> None:
     belief[1, 1] = 1
     tree = grow_tree(belief, (1.5, 1.5), np.array([[0.5, 0.5], [2.5, 1.5]]), 5.0)
     assert tree.vertices.tolist() == [[1.5, 1.5]]
+
+
+def random_tree(seed: int) -> tuple[Tree, np.ndarray]:
+    rng = np.random.default_rng(seed)
+    parents = np.array([-1, *(int(rng.integers(k)) for k in range(1, 30))])
+    return Tree(rng.random((30, 2)), parents), rng.random(30) * (rng.random(30) < 0.5)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_no_branch_is_worth_more_than_the_best(seed: int) -> None:
+    tree, values = random_tree(seed)
+    branch = best_branch(tree, values).tolist()
+    assert branch[0] == 0
+    assert [tree.parents[vertex] for vertex in branch[1:]] == branch[:-1]
+
+    def worth(vertex: int) -> float:
+        return float(values[vertex]) + (worth(int(tree.parents[vertex])) if vertex else 0.0)
+
+    assert sum(values[branch]) == pytest.approx(max(worth(vertex) for vertex in range(30)))
+
+
+def test_a_tree_that_gains_nothing_has_the_root_as_its_branch() -> None:
+    tree, values = random_tree(0)
+    assert best_branch(tree, 0.0 * values).tolist() == [0]
+
+
+def test_lengths_add_up_along_the_tree() -> None:
+    tree = Tree(np.array([[0.0, 0.0], [3.0, 4.0], [3.0, 5.0], [0.0, 2.0]]), np.array([-1, 0, 1, 0]))
+    assert tree.lengths().tolist() == [0.0, 5.0, 6.0, 2.0]

@@ -5,10 +5,7 @@ from math import exp
 import numpy as np
 import pytest
 
-from indoor_explorers.env import InputError, World, make_policy, scenario
-from indoor_explorers.env.maps.floorplan import Floorplan
-from indoor_explorers.planners.swarm.aco import Aco, AntPilot, Pheromone, preferences, transition
-from tests.planners.flights import fly, rooms
+from indoor_explorers.planners.swarm.aco import Pheromone, preferences, transition
 
 
 def test_pheromone_falls_with_the_distance_and_evaporates() -> None:
@@ -42,28 +39,3 @@ def test_a_choice_is_greedy_or_in_proportion() -> None:
     counts = np.bincount([transition(weights, 0.0, rng) for _ in range(4000)], minlength=3)
     assert counts[0] / 4000 == pytest.approx(0.2, abs=0.03)
     assert counts[2] == 0
-
-
-@pytest.mark.parametrize(("repulsion", "goal"), [(0.0, (0, 17)), (4.0, (0, 24))])
-def test_a_uav_leaves_a_nearer_frontier_to_a_linked_teammate(repulsion: float, goal: tuple[int, int]) -> None:
-    settings = {"radio.model": "unlimited", "lidar.range": 3.0}
-    world = World(scenario("thesis-team-2").with_settings(settings))
-    free = np.ones((1, 41), np.bool_)
-    world.begin(0, 0, floorplan=Floorplan.from_free(free, "corridor"), spawns=[(0, 20), (0, 21)])
-    world.post(0, 1, (0.0, 17.0))
-    world.step(np.array([[4, 4]]))
-    pilot = AntPilot(world.briefing(0, 0), Aco(greed=1.0, repulsion=repulsion))
-    pilot.act(world.view(0, 0))
-    assert pilot.goal == goal
-    assert pilot.message == tuple(map(float, goal))
-
-
-def test_a_team_explores_without_any_pheromone_and_with_much() -> None:
-    for parameters in ({"amount": 0.0}, {"repulsion": 20.0, "own": 1.0, "evaporation": 0.0}, {"greed": 0.0}):
-        policy = make_policy("aco", **parameters)
-        assert fly(policy, rooms(2, 4, 1), team=3, radio=("disc", 6.0)).complete, parameters
-
-
-def test_shares_above_one_are_refused() -> None:
-    with pytest.raises(InputError, match="evaporation and greed"):
-        make_policy("aco", evaporation=1.5)

@@ -3,16 +3,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from indoor_explorers.env import InputError, World, make_policy, scenario
-from indoor_explorers.env.maps.floorplan import Floorplan
+from indoor_explorers.env import World
 from indoor_explorers.env.policies.view import View
 from indoor_explorers.planners.swarm.gso import GlowwormPilot, Gso, adapted, brightened, brighter, drawn
-from tests.planners.flights import fly, rooms
+from tests.planners.flights import world_on
 
 
 def corridor(spawn: int, length: int = 40) -> tuple[World, View]:
-    world = World(scenario("thesis-open").with_settings({"lidar.range": 3.0}))
-    world.begin(0, 0, floorplan=Floorplan.from_free(np.ones((1, length), np.bool_), "corridor"), spawns=[(0, spawn)])
+    world = world_on(np.ones((1, length), np.bool_), [(0, spawn)])
     return world, world.view(0, 0)
 
 
@@ -50,13 +48,6 @@ def test_it_draws_a_glowworm_in_range_and_widens_the_range_for_others() -> None:
     assert pilot._reach == pytest.approx(2.7)  # 3.0 for the draw, then narrowed for two neighbours
 
 
-def test_without_a_sensor_range_it_flies_to_nearest_frontiers() -> None:
-    flight = fly(make_policy("gso", sensor=0.0), rooms(2, 4, 1))
-    assert flight.complete
-    tally = flight.pilots[0].tally()
-    assert tally["out_of_range"] == tally["plans"] > 0
-
-
 def test_glowworms_keep_their_light_and_new_ones_start_at_rest() -> None:
     world, _ = corridor(5)
     pilot = GlowwormPilot(world.briefing(0, 0), Gso())
@@ -65,18 +56,10 @@ def test_glowworms_keep_their_light_and_new_ones_start_at_rest() -> None:
 
 
 def test_goals_of_linked_teammates_are_dimmed() -> None:
-    settings = {"radio.model": "unlimited", "lidar.range": 3.0}
-    world = World(scenario("thesis-team-2").with_settings(settings))
-    free = np.ones((1, 40), np.bool_)
-    world.begin(0, 0, floorplan=Floorplan.from_free(free, "corridor"), spawns=[(0, 19), (0, 20)])
+    world = world_on(np.ones((1, 40), np.bool_), [(0, 19), (0, 20)], team=2, radio__model="unlimited")
     world.post(0, 1, (0.0, 23.0))
     world.step(np.array([[4, 4]]))
     pilot = GlowwormPilot(world.briefing(0, 0), Gso(dimming=0.75))
     pilot.act(world.view(0, 0))
     light = dict(zip(pilot._cells.tolist(), pilot._luciferin.tolist(), strict=True))
     assert light[23] == pytest.approx(0.25 * light[16])
-
-
-def test_shares_above_one_are_refused() -> None:
-    with pytest.raises(InputError, match="decay and dimming"):
-        make_policy("gso", dimming=1.5)

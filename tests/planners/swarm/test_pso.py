@@ -10,7 +10,7 @@ from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.policies.view import Mate
 from indoor_explorers.planners.swarm.pso import Pso, PsoPilot
 from indoor_explorers.planners.toolbox.coordination.linked_group import NOWHERE, LinkedMember, absentees, linked_members
-from tests.planners.flights import fly, rooms
+from tests.planners.flights import fly, rooms, world_on
 
 
 @pytest.mark.parametrize(("model", "reach"), [("unlimited", 0.0), ("disc", 6.0)])
@@ -42,8 +42,7 @@ def test_linked_uavs_compute_the_same_joint_plan(model: str, reach: float) -> No
 
 
 def test_goals_are_spread() -> None:
-    world = World(scenario("thesis-team-2"))
-    world.begin(0, 0, floorplan=Floorplan.from_free(np.ones((1, 31), np.bool_), "corridor"), spawns=[(0, 15), (0, 16)])
+    world = world_on(np.ones((1, 31), np.bool_), [(0, 15), (0, 16)], team=2, radio__model="unlimited")
     policy = make_policy("pso")
     pilots = [policy.pilot(world.briefing(0, k)) for k in range(2)]
     assert list(policy.act(pilots, [world.view(0, k) for k in range(2)])) == [1, 3]

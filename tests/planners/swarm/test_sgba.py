@@ -23,14 +23,6 @@ def test_walls_are_followed_until_the_bearing_is_free_beyond() -> None:
     assert max(abs(col - 5) for _, col in flight.tracks[0][:beyond]) == 3
 
 
-def test_a_dead_end_is_left() -> None:
-    free = np.zeros((12, 12), np.bool_)
-    free[2:11, 5] = free[10] = True
-    flight = fly(make_policy("sgba"), free, spawns=[(8, 5)], lidar=1.0, budget=300)
-    assert flight.complete
-    assert flight.longest_dither <= 6
-
-
 @pytest.mark.parametrize(("radio", "move"), [("none", 0), ("unlimited", 3)])
 def test_the_later_of_two_that_are_near_turns_away(radio: str, move: int) -> None:
     free = np.ones((31, 41), np.bool_)

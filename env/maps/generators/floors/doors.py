@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import Mask
 from indoor_explorers.env.maps.generators.floors.site import OPEN, Spaces
 from indoor_explorers.env.maps.generators.floors.style import Style
+from indoor_explorers.env.search.connected_parts import spanning_tree
 
 #: The thickest wall that a door goes through, in cells.
 THICKEST = 3
@@ -23,7 +24,7 @@ class Walls(NamedTuple):
     one: NDArray[np.int64]
     other: NDArray[np.int64]
     standing: NDArray[np.int64]
-    """1 for those between a space and the one to its right, 0 for those between one and the one below."""
+    """1 for a wall between a space and the one to its right, 0 for one between a space and the one below."""
     thick: NDArray[np.int64]
     row: NDArray[np.int64]
     """Of the first cell of the wall, like ``col``."""
@@ -88,8 +89,6 @@ def doors(rng: np.random.Generator, spaces: Spaces, style: Style) -> list[Door]:
 
 def _tree(rng: np.random.Generator, walls: Walls, last: int) -> NDArray[np.int64]:
     """Return the numbers of the walls whose doors make a tree of all spaces, most of them to corridors."""
-    from scipy import sparse  # here, since it takes long to import
-
     weights = 2.0 + rng.random(len(walls.one)) - 0.5 * (walls.long > 4)
     direct = (walls.one == OPEN) & (rng.random(len(walls.one)) < FROM_CORRIDOR)
     weights[direct] = 0.5 + 0.4 * rng.random(int(direct.sum())) - 0.3 * (walls.long[direct] > 4)
@@ -97,11 +96,7 @@ def _tree(rng: np.random.Generator, walls: Walls, last: int) -> NDArray[np.int64
     pairs = walls.one * (last + 1) + walls.other
     _, first = np.unique(pairs[order], return_index=True)
     best = order[first]
-    ranks = np.empty(len(best))
-    ranks[np.argsort(weights[best], kind="stable")] = np.arange(1, len(best) + 1)
-    graph = sparse.coo_array((ranks, (walls.one[best], walls.other[best])), shape=(last + 1, last + 1))
-    tree = sparse.csgraph.minimum_spanning_tree(graph.tocsr())
-    return best[np.isin(ranks, tree.data)]
+    return best[spanning_tree(np.stack([walls.one, walls.other], axis=1)[best], weights[best], last + 1)]
 
 
 def _door(rng: np.random.Generator, walls: Walls, number: int, style: Style) -> Door:

@@ -16,14 +16,21 @@ from indoor_explorers.env.grid.arrays import Mask
 from indoor_explorers.env.grid.randomness import Stream, generator
 from indoor_explorers.env.maps.base import GeneratedMaps
 from indoor_explorers.env.maps.floorplan import Floorplan
-from indoor_explorers.env.maps.generators.floors.details import mirrored, set_fire_doors, set_niches
 from indoor_explorers.env.maps.generators.floors.doors import doors, open_doors
-from indoor_explorers.env.maps.generators.floors.finish import furnished, ragged, rooms_of, turned
+from indoor_explorers.env.maps.generators.floors.finish import (
+    furnished,
+    mirrored,
+    ragged,
+    rooms_of,
+    set_fire_doors,
+    set_niches,
+    turned,
+)
 from indoor_explorers.env.maps.generators.floors.sections import Filling
 from indoor_explorers.env.maps.generators.floors.site import Site
-from indoor_explorers.env.maps.generators.floors.skeletons import Skeleton, draw_skeleton, extent, fitted
+from indoor_explorers.env.maps.generators.floors.skeletons import Skeleton, draw_skeleton, fitted, size_of
 from indoor_explorers.env.maps.generators.floors.style import draw_style
-from indoor_explorers.env.search.connected_parts import largest_part
+from indoor_explorers.env.search.connected_parts import extent, largest_part
 
 #: Plans drawn at most for one map; of those that miss its area, the nearest is taken.
 TRIES = 8
@@ -115,7 +122,7 @@ class FloorsMaps(GeneratedMaps):
 
     def _better_turned(self, rng: np.random.Generator, skeleton: Skeleton, margin: int) -> bool:
         """Tell whether rows and columns of a skeleton are better swapped; random where it fits either way."""
-        _, _, tall, wide = extent(skeleton)
+        _, _, tall, wide = size_of(skeleton)
         height, width = _inside(self.height, margin), _inside(self.width, margin)
         lying, standing = max(tall / height, wide / width), max(tall / width, wide / height)
         return bool(rng.random() < 0.5) if max(lying, standing) <= 1.0 else standing < lying
@@ -126,21 +133,15 @@ def _inside(side: int, margin: int) -> int:
     return max(side - 2 * margin, side // 2)
 
 
-def _extent(free: Mask) -> tuple[slice, slice]:
-    """Return the rows and columns that hold free cells."""
-    rows, cols = np.flatnonzero(free.any(axis=1)), np.flatnonzero(free.any(axis=0))
-    return slice(int(rows[0]), int(rows[-1]) + 1), slice(int(cols[0]), int(cols[-1]) + 1)
-
-
 def _fits(free: Mask, shape: tuple[int, ...]) -> bool:
     """Tell whether a plan fits into a map of a shape with walls around it."""
-    inner = free[_extent(free)]
+    inner = free[extent(free)]
     return all(side <= space - 2 for side, space in zip(inner.shape, shape, strict=True))
 
 
 def _placed(rng: np.random.Generator, free: Mask, shape: tuple[int, ...]) -> Mask:
     """Return a plan in a random place of a map, mirrored at random."""
-    inner = free[_extent(free)]
+    inner = free[extent(free)]
     inner = inner[:: int(rng.choice([-1, 1])), :: int(rng.choice([-1, 1]))]
     out = np.zeros(shape, np.bool_)
     row, col = (1 + int(rng.integers(space - side - 1)) for side, space in zip(inner.shape, shape, strict=True))

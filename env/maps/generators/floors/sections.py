@@ -13,13 +13,13 @@ from indoor_explorers.env.maps.generators.floors.style import SECTIONS, Style
 
 #: A room is at least this wide and deep, in metres.
 LEAST = 1.5
-#: A row that leaves less than this share of its depth behind it takes all; one that leaves less than SHARED halves it.
+#: A row takes all free depth below ``THROUGH`` times its own depth, and half of it below ``SHARED`` times.
 THROUGH, SHARED = 1.5, 2.4
 #: Share of corridors' ends with a room.
 CLOSED = 0.6
 
 
-class Row(NamedTuple):
+class SectionRow(NamedTuple):
     """A row of rooms along one side of a corridor; lengths in cells."""
 
     view: Spaces
@@ -60,7 +60,7 @@ class Filling:
     def _fill_side(self, side: Side) -> None:
         """Fill one side of a corridor, wherever at least the smallest room fits."""
         view, start, stop = side
-        row = Row(
+        row = SectionRow(
             view,
             wall=1 + int(self.rng.random() < self.style.thick),
             depth=max(2, round(self.style.depth * self.rng.uniform(0.8, 1.25))),
@@ -73,7 +73,7 @@ class Filling:
         for first, last in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
             self._fill_columns(row, low + first + 1, low + last - 1)
 
-    def _fill_columns(self, row: Row, start: int, stop: int) -> None:
+    def _fill_columns(self, row: SectionRow, start: int, stop: int) -> None:
         """Fill columns of a row with sections, one after the other."""
         while stop - start >= self.least:
             kind = SECTIONS[int(self.rng.choice(len(SECTIONS), p=self.style.sections))]
@@ -107,8 +107,8 @@ class Filling:
             module, depth = cells(rng.uniform(3.0, 9.0)), round(depth * rng.uniform(0.4, 1.1))
         return max(self.least, round(module * factor)), max(self.least, depth)
 
-    def _place(self, kind: str, row: Row, start: int, stop: int) -> None:
-        """Place a room of a section where there is space; rows that face each other share what lies between them."""
+    def _place(self, kind: str, row: SectionRow, start: int, stop: int) -> None:
+        """Place a room of a section if there is space; rows that face each other share the space between them."""
         view, wall, depth = row
         free = depth_free(view, start, stop, wall, round(SHARED * depth) + 2)
         if kind == "gap" or free < self.least:
@@ -158,7 +158,7 @@ class Filling:
             view[1 : 1 + min(deep, free), first : first + wide] = self.site.next_space()
 
     def _fill_gaps(self, top: int, left: int, tall: int, wide: int) -> None:
-        """Make rooms of most of what is left between the rooms of a deep block."""
+        """Fill most gaps between the rooms of a deep block with rooms."""
         part = self.site.spaces[max(top, 1) : max(top + tall, 1), max(left, 1) : max(left + wide, 1)]
         if min(part.shape) < self.least + 2:
             return

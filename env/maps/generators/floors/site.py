@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.maps.generators.floors.skeletons import Corridor, Skeleton, extent, moved
+from indoor_explorers.env.maps.generators.floors.skeletons import Corridor, Skeleton, moved, size_of
 
 #: (H, W) int32: 0 wall or nothing yet, 1 corridors and what is open to them, from 2 on rooms, -1 the border.
 Spaces = NDArray[np.int32]
@@ -15,7 +15,7 @@ BORDER, OPEN = -1, 1
 
 
 class Side(NamedTuple):
-    """What lies beside a rectangle."""
+    """The cells beside a rectangle."""
 
     view: Spaces
     """Spaces, whose first row is that beside the rectangle; writing to it writes to the site."""
@@ -25,7 +25,7 @@ class Side(NamedTuple):
 
 
 class Site:
-    """A (height, width) grid of spaces; rooms keep a wall between them and all that is not theirs."""
+    """A (height, width) grid of spaces; rooms keep a wall around them."""
 
     def __init__(self, height: int, width: int) -> None:
         self.spaces: Spaces = np.zeros((height, width), np.int32)
@@ -38,9 +38,9 @@ class Site:
         return self._last
 
     def lay(self, rng: np.random.Generator, skeleton: Skeleton, margin: int) -> Skeleton:
-        """Make the corridors of a skeleton open, in a random place that leaves a margin; return them as they lie."""
+        """Place the corridors of a skeleton at random with a margin; return the placed skeleton."""
         height, width = self.spaces.shape
-        top, left, tall, wide = extent(skeleton)
+        top, left, tall, wide = size_of(skeleton)
         margin = min(margin, (height - tall) // 2, (width - wide) // 2)
         down = margin + int(rng.integers(height - tall - 2 * margin + 1)) - top
         right = margin + int(rng.integers(width - wide - 2 * margin + 1)) - left
@@ -50,7 +50,7 @@ class Site:
         return placed
 
     def sides(self, corridor: Corridor) -> tuple[list[Side], list[Side]]:
-        """Return what lies along a corridor and what lies at its ends; a hall has four sides and no ends."""
+        """Return the sides along a corridor and those at its ends; a hall has four sides and no ends."""
         top, left, tall, wide = corridor[:4]
         spaces, low, right = self.spaces, top + tall, left + wide
         rows = [Side(spaces[low:], left, right), Side(spaces[:top][::-1], left, right)]

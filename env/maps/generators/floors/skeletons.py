@@ -169,12 +169,12 @@ def linked(rng: np.random.Generator, style: Style, floor: int) -> Skeleton:
 
 
 def moved(skeleton: Skeleton, down: int, right: int) -> Skeleton:
-    """Return a skeleton elsewhere."""
+    """Return a skeleton moved by some cells."""
     corridors = [one._replace(top=one.top + down, left=one.left + right) for one in skeleton.corridors]
     return Skeleton(corridors, [(top + down, left + right, tall, wide) for top, left, tall, wide in skeleton.filled])
 
 
-def extent(skeleton: Skeleton) -> tuple[int, int, int, int]:
+def size_of(skeleton: Skeleton) -> tuple[int, int, int, int]:
     """Return top, left, height and width of the rectangle around all corridors."""
     top, left = min(one.top for one in skeleton.corridors), min(one.left for one in skeleton.corridors)
     low = max(one.top + one.tall for one in skeleton.corridors)
@@ -184,11 +184,11 @@ def extent(skeleton: Skeleton) -> tuple[int, int, int, int]:
 
 def fitted(skeleton: Skeleton, tall: int, wide: int) -> Skeleton:
     """Return a skeleton that is shortened where it is larger than ``tall`` by ``wide`` cells; widths are kept."""
-    _, _, height, width = extent(skeleton)
+    _, _, height, width = size_of(skeleton)
     down, right = min(1.0, tall / height), min(1.0, wide / width)
     if down == right == 1.0:
         return skeleton
-    top, left, *_ = extent(skeleton)
+    top, left, *_ = size_of(skeleton)
     skeleton = moved(skeleton, -top, -left)
     corridors = [_shortened(one, down, right, tall, wide) for one in skeleton.corridors]
     filled = [(round(a * down), round(b * right), round(c * down), round(d * right)) for a, b, c, d in skeleton.filled]

@@ -1,4 +1,4 @@
-"""The style of a building: how wide its corridors are, how large its rooms, and what its rows of rooms hold."""
+"""The style of a building: sizes of its corridors and rooms, and shares of the kinds of sections and details."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ CONCENTRATION = 12.0
 
 
 class Style(NamedTuple):
-    """What the rooms and corridors of one building have in common; lengths in cells."""
+    """Common properties of the rooms and corridors of one building; lengths in cells."""
 
     module: int
     """Width of the usual room."""

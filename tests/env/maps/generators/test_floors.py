@@ -5,17 +5,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from indoor_explorers.env import InputError, Scenario, World, scenario
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED
-from indoor_explorers.env.maps.generators.floors.details import mirrored, set_fire_doors, set_niches
 from indoor_explorers.env.maps.generators.floors.doors import Door, doors, open_doors, walls_between
-from indoor_explorers.env.maps.generators.floors.finish import ragged, turned
+from indoor_explorers.env.maps.generators.floors.finish import mirrored, ragged, set_fire_doors, set_niches, turned
 from indoor_explorers.env.maps.generators.floors.site import OPEN, Site, depth_free
 from indoor_explorers.env.maps.generators.floors.skeletons import Corridor
 from indoor_explorers.env.maps.generators.floors.style import draw_style
 from indoor_explorers.env.maps.sources import FloorsMaps
-from indoor_explorers.env.scenarios.validation import validated
 from indoor_explorers.env.search.connected_parts import connected_parts
+from tests.env.maps.generators.test_generators import one_connected_floor
 
 shares = st.floats(0.0, 1.0)
 plans = st.builds(
@@ -34,20 +32,7 @@ plans = st.builds(
 @settings(max_examples=8, deadline=None)
 @given(plans, st.integers(0, 2**32))
 def test_any_legal_setting_gives_one_connected_floor_inside_walls(maps, seed):
-    plan = maps.floorplan(0, seed)
-    assert plan.shape == (maps.height, maps.width)
-    assert (plan.name, plan.resolution) == ("floors", maps.resolution)
-    assert len(connected_parts(plan.truth == FREE)[1]) == 2
-    inner = np.zeros(plan.shape, np.bool_)
-    inner[1:-1, 1:-1] = True
-    assert (plan.truth[~inner] == OCCUPIED).all()
-    assert maps.floorplan(0, seed).digest == plan.digest
-
-
-def test_seeds_and_attempts_make_different_maps():
-    digests = {FloorsMaps().floorplan(0, seed, attempt).digest for seed in range(3) for attempt in range(2)}
-    assert len(digests) == 6
-    assert FloorsMaps().generated
+    assert one_connected_floor(maps, seed).resolution == maps.resolution
 
 
 def test_floors_have_about_the_area_asked_for():
@@ -154,31 +139,6 @@ def test_ragged_walls_close_cells_beside_walls_alone():
     out = ragged(np.random.default_rng(0), free, 0.15)
     assert out[2:-2, 2:-2].all()
     assert 0.05 < (free & ~out).sum() / (4 * 57) < 0.3
-
-
-@pytest.mark.parametrize(
-    ("table", "message"),
-    [
-        ({"area": [900.0, 300.0]}, r"area is \[900.0, 300.0\], expected 0 < smallest <= largest"),
-        ({"area": [0.0, 300.0]}, r"area is \[0.0, 300.0\]"),
-        ({"height": 20}, "map.height: Input should be greater than or equal to 32, got 20"),
-        ({"resolution": 3.0}, "less than or equal to 2, got 3.0"),
-        ({"rotated": 0.5}, "map.rotated"),
-    ],
-)
-def test_settings_that_cannot_be_are_refused_in_one_line(table, message):
-    with pytest.raises(InputError, match=message) as caught:
-        validated(Scenario, {"map": {"source": "floors", **table}}, "scenario")
-    assert "\n" not in str(caught.value)
-
-
-@pytest.mark.parametrize("name", ["floors", "small-floors"])
-def test_the_presets_fly_on_floors(name):
-    task = scenario(name)
-    assert task.map.source == "floors"
-    world = World(task, batch=2)
-    world.reset(seeds=[0, 1])
-    assert world.state.truth.shape == (2, task.map.height, task.map.width)
 
 
 def test_a_plan_with_an_axis_of_symmetry_is_mirrored_with_its_doors():

@@ -9,14 +9,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from indoor_explorers.env import InputError, Scenario, scenario
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED
+from indoor_explorers.env.maps.generators.cave import joined
 from indoor_explorers.env.maps.generators.furniture import spares_the_way
-from indoor_explorers.env.maps.generators.joining import joined
 from indoor_explorers.env.maps.generators.offices import shares
 from indoor_explorers.env.maps.generators.rooms import Rectangle, neighbours
-from indoor_explorers.env.maps.sources import CaveMaps, MazeMaps, OfficesMaps, RoomsMaps
-from indoor_explorers.env.scenarios.validation import validated
+from indoor_explorers.env.maps.sources import CaveMaps, FloorsMaps, MazeMaps, OfficesMaps, RoomsMaps
 from indoor_explorers.env.search.connected_parts import connected_parts
 
 KINDS = (RoomsMaps, OfficesMaps, CaveMaps, MazeMaps)
@@ -75,9 +73,8 @@ every_map = settings(max_examples=150, deadline=None)
 seeds = st.integers(0, 2**32)
 
 
-@every_map
-@given(st.one_of(rooms(), offices(), caves, mazes()), seeds)
-def test_any_legal_setting_gives_one_connected_floor_inside_walls(maps, seed):
+def one_connected_floor(maps, seed):
+    """Assert that a seed has one map, of the size set, with one free part inside a solid border; return it."""
     plan = maps.floorplan(0, seed)
     assert plan.shape == (maps.height, maps.width)
     assert plan.name == maps.source
@@ -86,9 +83,16 @@ def test_any_legal_setting_gives_one_connected_floor_inside_walls(maps, seed):
     inner[1:-1, 1:-1] = True
     assert (plan.truth[~inner] == OCCUPIED).all()
     assert maps.floorplan(0, seed).digest == plan.digest
+    return plan
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@every_map
+@given(st.one_of(rooms(), offices(), caves, mazes()), seeds)
+def test_any_legal_setting_gives_one_connected_floor_inside_walls(maps, seed):
+    one_connected_floor(maps, seed)
+
+
+@pytest.mark.parametrize("kind", [*KINDS, FloorsMaps])
 def test_seeds_and_attempts_make_different_maps(kind):
     digests = {kind().floorplan(0, seed, attempt).digest for seed in range(20) for attempt in range(2)}
     assert len(digests) == 40
@@ -256,36 +260,3 @@ def test_nothing_free_stays_so():
 def test_a_cave_of_nothing_but_rock_starts_from_less():
     for seed in range(20):
         assert (CaveMaps(height=8, width=8, rock=0.6).floorplan(0, seed).truth == FREE).mean() >= 0.15
-
-
-@pytest.mark.parametrize(
-    ("table", "message"),
-    [
-        ({"source": "rooms", "height": 4}, "map.height: Input should be greater than or equal to 5, got 4"),
-        ({"source": "maze", "width": 2049}, "map.width: Input should be less than or equal to 2048, got 2049"),
-        ({"source": "rooms", "room_size": [9, 4]}, r"room_size is \[9, 4\], expected 1 <= smallest <= largest"),
-        ({"source": "rooms", "corridor": 6}, "are 1, 6 and 5, expected each at most the next"),
-        (
-            {"source": "rooms", "room_size": [30, 40], "height": 31},
-            r"height is 31, expected at least 32 \(the smallest",
-        ),
-        ({"source": "maze", "corridor": 9, "width": 10}, "width is 10, expected at least 11 .* enlarge it"),
-        ({"source": "offices", "height": 11}, "height is 11, expected at least 12 .*a row of rooms"),
-        ({"source": "offices", "door": [0, 1]}, r"door is \[0, 1\]"),
-        ({"source": "cave", "rock": 0.9}, "less than or equal to 0.6"),
-        ({"source": "cave", "smoothnig": 3}, "did you mean 'smoothing'"),
-        ({"source": "caves"}, "'cave'"),
-    ],
-)
-def test_settings_that_cannot_be_are_refused_in_one_line(table, message):
-    with pytest.raises(InputError, match=message) as caught:
-        validated(Scenario, {"map": table}, "scenario")
-    assert "\n" not in str(caught.value)
-
-
-@pytest.mark.parametrize("name", ["rooms", "offices", "cave", "maze"])
-def test_the_presets_fly_on_maps_of_their_kind(name):
-    task = scenario(name)
-    assert task.map.source == name
-    assert (task.team, task.lidar.range, task.radio.model, task.radio.range) == (2, 10.0, "disc", 15.0)
-    assert task.with_settings({"map.height": 40}).map.height == 40

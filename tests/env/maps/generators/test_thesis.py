@@ -57,19 +57,6 @@ def test_noise_moves_the_rectangles_of_a_lattice_up_to_so_many_cells():
     assert len({tuple(cells.ravel()) for cells in moved}) == 60
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"rows": 3}, "expected both or neither"),
-        ({"noise": 2}, "noise is 2 without a lattice"),
-        ({"obstacle_size": (3, 2)}, "expected 1 <= smallest <= largest"),
-    ],
-)
-def test_settings_that_do_not_fit_are_refused(options, message):
-    with pytest.raises(ValueError, match=message):
-        ThesisMaps(**options)
-
-
 @settings(max_examples=40, deadline=None)
 @given(st.integers(0, 2**63 - 1), st.sampled_from(["random", "clustered"]), st.sampled_from(["map", "reachable"]))
 def test_compiled_openings_equal_those_in_python(seed, spawn, denominator):

@@ -14,7 +14,7 @@ from scipy import ndimage
 
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.maps.files import read_map
-from indoor_explorers.env.maps.readers.json_text import read_json
+from indoor_explorers.env.maps.readers.opening import read_json
 from indoor_explorers.env.maps.readers.sheet import within
 from indoor_explorers.env.maps.readers.vectormap import read_vectormap
 

@@ -95,26 +95,6 @@ def test_checksums_and_names_are_whole(suite: Suite):
         assert len({each.name for each in home.maps}) == len(home.maps)  # --maps names one
 
 
-@ALL
-def test_a_suite_flies_one_two_and_four_uavs_and_three_radios(suite: Suite):
-    flown = suite.scenarios()
-    radios = [f"{suite.name}-{team}-{radio}" for team in (2, 4) for radio in ("none", "disc", "unlimited")]
-    assert [scenario.name for scenario in flown] == [f"{suite.name}-1", *radios]
-    assert {scenario.goal for scenario in flown} == {1.0}
-    assert [(scenario.team, scenario.radio.model) for scenario in flown[:3]] == [(1, "none"), (2, "none"), (2, "disc")]
-
-
-def test_the_settings_of_each_suite():
-    flown = {name: suite.scenarios()[2] for name, suite in suites().items()}
-    assert {name: (task.lidar.range, task.radio.range, task.on_collision) for name, task in flown.items()} == {
-        "dungeons": (20.0, 15.0, "block"),
-        "floors": (10.0, 15.0, "block"),
-        "floors-generated": (10.0, 15.0, "block"),
-        "rooms": (3.0, 4.5, "end"),
-    }
-    assert suite_of("floors").task_count(Part.TEST) == 7 * suite_of("floors").map_count(Part.TEST) * 2
-
-
 def test_some_teams_and_radios_of_a_suite():
     def names(**chosen) -> list[str]:
         return [scenario.name for scenario in suite_of("floors").scenarios(**chosen)]

@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 
 from indoor_explorers.evaluation.analysis.comparison import Comparison
-from indoor_explorers.evaluation.analysis.panels.failure_causes import causes
 from indoor_explorers.evaluation.analysis.panels.pareto_plot import pareto_plot, pareto_points
 from indoor_explorers.evaluation.analysis.panels.performance_profile import profile_plot
 from indoor_explorers.evaluation.analysis.panels.rank_plot import improvements, rank_rows
-from indoor_explorers.evaluation.analysis.panels.scenario_panels import scenario_panels
+from indoor_explorers.evaluation.analysis.panels.scenario_panels import causes, scenario_panels
 from indoor_explorers.evaluation.analysis.panels.times_by_map import times_table
 from indoor_explorers.evaluation.analysis.panels.win_matrix import win_matrix
 from indoor_explorers.evaluation.analysis.task_times import TaskTimes

@@ -10,8 +10,12 @@ import pytest
 from indoor_explorers.evaluation.analysis.comparison import Comparison
 from indoor_explorers.evaluation.analysis.headline import headline
 from indoor_explorers.evaluation.analysis.tables.contrast_table import contrast_table
-from indoor_explorers.evaluation.analysis.tables.measures_table import measures_table
-from indoor_explorers.evaluation.analysis.tables.results_table import columns_of, constant_columns, results_table
+from indoor_explorers.evaluation.analysis.tables.results_table import (
+    columns_of,
+    constant_columns,
+    measures_table,
+    results_table,
+)
 from indoor_explorers.evaluation.drawing.palette import policy_styles
 from indoor_explorers.evaluation.harness.episodes.metrics import WASTED
 from indoor_explorers.evaluation.harness.episodes.record import Outcome, Record
@@ -67,15 +71,6 @@ def test_a_headline_claims_only_what_was_shown(results: Results, shift: list[int
         [record for record in results.records if record.policy != "wavy"],
     )
     assert words in headline(Comparison(_with_t99(two, "broken", shift), "rooms"))
-
-
-def test_a_headline_without_rivals_or_success(results: Results) -> None:
-    alone = [record for record in results.records if record.policy == "broken"]
-    policies = {"broken": results.policies["broken"]}
-    nobody = headline(Comparison(Results(policies, results.scenarios, [], alone), "rooms"))
-    assert "No policy reached 99 %" in nobody
-    there = [replace(record, metrics=record.metrics | {"t99": 9.0}) for record in alone]
-    assert "no other policy" in headline(Comparison(Results(policies, results.scenarios, [], there), "rooms"))
 
 
 def test_maps_get_a_table_of_their_own(results: Results) -> None:

@@ -20,22 +20,19 @@ from indoor_explorers.evaluation.harness.engines.policy_handle import PolicyHand
 from indoor_explorers.evaluation.harness.engines.policy_process import PolicyServer
 from indoor_explorers.evaluation.harness.engines.process_handle import UNREADABLE, ProcessExit
 from indoor_explorers.evaluation.harness.engines.remote_pilots import RemotePilots
-from indoor_explorers.evaluation.harness.engines.supervisor import Supervisor
+from indoor_explorers.evaluation.harness.engines.supervisor import Supervisor, WorkerHandle
 from indoor_explorers.evaluation.harness.engines.worker import _here
-from indoor_explorers.evaluation.harness.engines.worker_handle import WorkerHandle
 from indoor_explorers.evaluation.harness.episodes.pilots import BatchFailed, LocalPilots
 from indoor_explorers.evaluation.harness.episodes.record import Outcome
 from indoor_explorers.evaluation.harness.episodes.runner import fly
-from indoor_explorers.evaluation.harness.episodes.shared_clock import Clock
-from indoor_explorers.evaluation.harness.episodes.shared_steps import SharedStepBuffer
-from indoor_explorers.evaluation.harness.episodes.shared_views import SharedViews
+from indoor_explorers.evaluation.harness.episodes.shared_memory import Clock, SharedStepBuffer, SharedViews
 from indoor_explorers.evaluation.harness.experiment.experiment import PolicyChoice
 from indoor_explorers.evaluation.harness.experiment.limits import Limits
 from indoor_explorers.evaluation.harness.experiment.request import ComparisonRequest
+from tests.evaluation.harness.engines.limits import PATIENT
 from tests.evaluation.harness.engines.test_supervisor import TEAM, facts, job, own
 from tests.evaluation.plugins import NotesItsEnd, Raises, Searches, Wander
 
-LIMITS = Limits(decision_timeout=60.0, memory=2_000_000_000)
 #: Settings of a task in which every field of a view tells something.
 EVERY_FIELD = {
     "noise.misses": 0.1,
@@ -51,7 +48,7 @@ SEED = 987_654_321_012_345
 
 @pytest.fixture(scope="module")
 def supervisor(plugins_found):
-    supervisor = Supervisor(LIMITS)
+    supervisor = Supervisor(PATIENT)
     yield supervisor
     supervisor.close()
 
@@ -69,7 +66,7 @@ def test_a_failure_is_told_in_the_same_words(supervisor):
     plain = job("Raises", range(8))
     flown, here = supervisor.fly(plain), fly(Raises(), "Raises", TEAM, plain.tasks)
     assert sorted(map(facts, flown), key=str) == sorted(map(facts, here), key=str)
-    assert any("failure (plugins.py:" in record.reason for record in flown)
+    assert any("failure (failing.py:" in record.reason for record in flown)
 
 
 def test_the_process_of_a_policy_holds_no_world_no_map_and_no_seed(supervisor):
@@ -98,7 +95,7 @@ def test_what_a_uav_knows_cannot_be_written_to_there(supervisor):
 def test_a_policy_that_cannot_be_made_fails_or_is_refused(supervisor):
     (record,) = supervisor.fly(job("NeverMade", [0]))
     assert (record.outcome, record.steps) == (Outcome.FAILED, 0)
-    assert "RuntimeError: no weights (plugins.py:" in record.reason
+    assert "RuntimeError: no weights (failing.py:" in record.reason
     with pytest.raises(InputError, match="unknown parameter 'pace'"):
         supervisor.fly(job("Wander", [0], pace=3))
 
@@ -106,7 +103,7 @@ def test_a_policy_that_cannot_be_made_fails_or_is_refused(supervisor):
 @pytest.mark.skipif(sys.platform != "linux", reason="other systems cannot end a process whatever it does")
 def test_the_process_of_a_policy_ends_with_its_worker_whatever_it_does(tmp_path, plugins_found):
     told = tmp_path / "pid"
-    worker = WorkerHandle(Limits(None, LIMITS.memory))
+    worker = WorkerHandle(Limits(None, PATIENT.memory))
     try:
         assert worker.receive() is None
         worker.send(job("HangsInCAndTellsWhere", [0], where=str(told)))
@@ -240,7 +237,7 @@ def test_statistics_are_checked_again():
 
 
 def test_a_process_that_answers_no_json_is_killed(plugins_found):
-    process = PolicyHandle.started(LIMITS)
+    process = PolicyHandle.started(PATIENT)
     try:
         process.load(PolicyChoice(use="tests.evaluation.plugins:Wander", name="w"))
         os.kill(process._process.pid, signal.SIGSTOP)

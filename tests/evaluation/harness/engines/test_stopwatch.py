@@ -4,7 +4,7 @@ import pytest
 
 from indoor_explorers.evaluation.harness.engines import stopwatch
 from indoor_explorers.evaluation.harness.engines.stopwatch import Stopwatch
-from indoor_explorers.evaluation.harness.episodes.shared_clock import COMPILED, ENDED, Clock
+from indoor_explorers.evaluation.harness.episodes.shared_memory import COMPILED, ENDED, Clock
 
 
 @pytest.fixture

@@ -8,17 +8,19 @@ import pytest
 
 from indoor_explorers.env import PRESETS
 from indoor_explorers.env.errors import RunError
-from indoor_explorers.evaluation.harness.engines.supervisor import Supervisor
-from indoor_explorers.evaluation.harness.engines.worker_handle import WorkerHandle
+from indoor_explorers.evaluation.harness.engines.supervisor import Supervisor, WorkerHandle
 from indoor_explorers.evaluation.harness.episodes.metrics import OF_THE_MACHINE
 from indoor_explorers.evaluation.harness.episodes.record import Outcome, Record
 from indoor_explorers.evaluation.harness.episodes.runner import fly
+from indoor_explorers.evaluation.harness.episodes.shared_memory import overdue_reason
 from indoor_explorers.evaluation.harness.experiment.experiment import Job, PolicyChoice, Task
 from indoor_explorers.evaluation.harness.experiment.limits import Limits
+from tests.evaluation.harness.engines.limits import LIMITS, SECONDS
 from tests.evaluation.plugins import WAYS, Vandal, Wander
 
 TEAM = PRESETS["thesis-team-2"].for_evaluation().with_settings({"radio.model": "unlimited", "budget": 60})
-LIMITS = Limits(decision_timeout=1.0, memory=1_000_000_000)
+#: A leak reaches this memory in seconds.
+SMALL = 1_000_000_000
 GUILTY = 1
 
 
@@ -35,7 +37,7 @@ def facts(record):
 
 @pytest.fixture(scope="module")
 def supervisor(plugins_found):
-    supervisor = Supervisor(LIMITS)
+    supervisor = Supervisor(LIMITS._replace(memory=SMALL))
     yield supervisor
     supervisor.close()
 
@@ -43,7 +45,7 @@ def supervisor(plugins_found):
 @pytest.fixture(scope="module")
 def patient(plugins_found):
     """A supervisor without a time limit: taking memory takes time."""
-    supervisor = Supervisor(Limits(None, LIMITS.memory))
+    supervisor = Supervisor(Limits(None, SMALL))
     yield supervisor
     supervisor.close()
 
@@ -74,7 +76,7 @@ def check(records, honest, reason, steps):
 
 
 SLOW = pytest.mark.slow  # each costs a process, in a way much like another one's
-OVERDUE = "decision took longer than 1 s (--decision-timeout)"
+OVERDUE = overdue_reason(SECONDS)
 
 
 @pytest.mark.parametrize(

@@ -1,14 +1,16 @@
 """What runs in a worker process, without the process."""
 
+import subprocess
+import sys
+
 import numba
 import numpy as np
 import pytest
 from numba.core import event
 
-from indoor_explorers.evaluation.harness.engines.serving import Compiling
-from indoor_explorers.evaluation.harness.episodes.shared_clock import Clock, DecisionTimeout
-from indoor_explorers.evaluation.harness.episodes.shared_steps import SharedStepBuffer
+from indoor_explorers.evaluation.harness.episodes.shared_memory import Clock, DecisionTimeout, SharedStepBuffer
 from indoor_explorers.evaluation.harness.episodes.steps import step_type
+from indoor_explorers.evaluation.harness.episodes.thinking_time import Compiling
 
 
 def test_compiling_is_not_put_down_to_a_decision():
@@ -25,6 +27,19 @@ def test_compiling_is_not_put_down_to_a_decision():
         assert clock.compiled > first
     finally:
         event.unregister("numba:compile", listener)
+
+
+def test_compiling_counts_where_numba_has_other_events():
+    code = """
+from numba.core import event
+del event.TimingListener
+from indoor_explorers.evaluation.harness.episodes.shared_memory import Clock
+from indoor_explorers.evaluation.harness.episodes.thinking_time import note_compiling, thinking_time
+note_compiling(Clock())
+print(thinking_time() < thinking_time())
+"""
+    told = subprocess.run([sys.executable, "-P", "-c", code], capture_output=True, text=True, check=True)
+    assert told.stdout == "True\n"
 
 
 def test_only_the_overdue_decision_is_interrupted_and_only_once():

@@ -24,6 +24,12 @@ def facts(record):
     return record.task, record.outcome, record.steps, kept, record.covered.tolist(), record.cells.tolist()
 
 
+def acting(**methods):
+    """Return a policy whose pilots wander, but with these methods."""
+    mind = type("Mind", (Wanderer,), methods)
+    return type("Acting", (Wander,), {"pilot": lambda self, briefing: mind(briefing)})()
+
+
 def test_an_episode_is_the_same_alone_in_a_batch_and_in_a_batched_policy():
     together = [facts(record) for record in fly(Wander(), "w", TEAM, tasks(5))]
     alone = [facts(record) for task in tasks(5) for record in fly(Wander(), "w", TEAM, [task])]
@@ -54,7 +60,7 @@ def test_a_policy_that_raises_costs_only_its_own_episodes():
     assert 0 < len(failed) < 12
     for record in records:
         if record in failed:
-            assert record.reason.startswith("RuntimeError: motor</script> failure (plugins.py:")
+            assert record.reason.startswith("RuntimeError: motor</script> failure (failing.py:")
             assert record.steps == 5
             assert record.covered.tolist() == healthy[record.task][4][:6]
         else:
@@ -69,15 +75,8 @@ def test_a_wrong_action_fails_the_episode_and_says_why():
 
 
 def test_crashed_uavs_end_the_episode():
-    class Blind(Wander):
-        class Mind(Wanderer):
-            def act(self, view):
-                return int(self.rng.integers(4))
-
-        def pilot(self, briefing):
-            return self.Mind(briefing)
-
-    records = list(fly(Blind(), "w", TEAM, tasks(10)))
+    blind = acting(act=lambda self, view: int(self.rng.integers(4)))
+    records = list(fly(blind, "w", TEAM, tasks(10)))
     assert {record.outcome for record in records} == {Outcome.ENDED}
     assert all("collision" in record.reason or "out of bounds" in record.reason for record in records)
     assert all(record.metrics["collisions"] == 2 for record in records)
@@ -128,15 +127,7 @@ def test_what_was_spent_is_logged_step_by_step():
     ],
 )
 def test_a_tally_that_breaks_fails_the_episode(told, reason):
-    class Miscounts(Wander):
-        class Mind(Wanderer):
-            def tally(self):
-                return told
-
-        def pilot(self, briefing):
-            return self.Mind(briefing)
-
-    (record,) = fly(Miscounts(), "w", TEAM, tasks(1))
+    (record,) = fly(acting(tally=lambda self: told), "w", TEAM, tasks(1))
     assert record.outcome is Outcome.FAILED
     assert reason.replace("\\\\", "\\") in record.reason
     assert len(record.reason) < 200
@@ -154,15 +145,7 @@ def test_an_action_that_lies_about_itself_is_what_it_really_is(value):
         def __index__(self):
             return 2
 
-    class Lies(Wander):
-        class Mind(Wanderer):
-            def act(self, view):
-                return Liar(value)
-
-        def pilot(self, briefing):
-            return self.Mind(briefing)
-
-    (record,) = fly(Lies(), "w", TEAM, tasks(1))
+    (record,) = fly(acting(act=lambda self, view: Liar(value)), "w", TEAM, tasks(1))
     assert record.outcome is Outcome.FAILED
     assert record.steps == 0
     assert f"expected an action from 0 to 4, got {value}" in record.reason
@@ -184,37 +167,28 @@ def test_compiling_is_no_part_of_a_decision(monkeypatch):
     monkeypatch.setattr("time.perf_counter", lambda: clock[0])
     monkeypatch.setattr(event, "timer", lambda: clock[0])
 
-    class CompilesAtStep2(Wander):
-        class Mind(Wanderer):
-            def act(self, view):
-                clock[0] += 0.25
-                if view.step == 2:
-                    with event.trigger_event("numba:compiler_lock"), event.trigger_event("numba:compiler_lock"):
-                        clock[0] += 100.0
-                return super().act(view)
+    def act(self, view):
+        clock[0] += 0.25
+        if view.step == 2:
+            with event.trigger_event("numba:compiler_lock"), event.trigger_event("numba:compiler_lock"):
+                clock[0] += 100.0
+        return Wanderer.act(self, view)
 
-        def pilot(self, briefing):
-            return self.Mind(briefing)
-
-    for policy in (CompilesAtStep2(), type("Together", (CompilesAtStep2,), {"batched": True})()):
+    alone = acting(act=act)
+    for policy in (alone, type("Together", (type(alone),), {"batched": True})()):
         (record,) = fly(policy, "w", TEAM.with_settings({"budget": 4}), tasks(1))
         np.testing.assert_allclose(np.diff(record.seconds), 2 * 0.25)
         assert record.metrics["latency_p99_us"] == record.metrics["latency_p50_us"] == 0.25e6
 
 
 def test_what_numba_really_compiles_is_no_part_of_a_decision():
-    class Compiles(Wander):
-        class Mind(Wanderer):
-            def act(self, view):
-                if view.step == 1:
-                    numba.njit(lambda x: x + view.step)(1)
-                return super().act(view)
-
-        def pilot(self, briefing):
-            return self.Mind(briefing)
+    def act(self, view):
+        if view.step == 1:
+            numba.njit(lambda x: x + view.step)(1)
+        return Wanderer.act(self, view)
 
     with event.install_recorder("numba:compiler_lock") as recorder:
-        (record,) = fly(Compiles(), "w", TEAM.with_settings({"budget": 3}), tasks(1))
+        (record,) = fly(acting(act=act), "w", TEAM.with_settings({"budget": 3}), tasks(1))
     assert len(recorder.buffer) >= 2 * TEAM.team
     assert np.diff(record.seconds)[1] < recorder.buffer[-1][0] - recorder.buffer[0][0]
 

@@ -8,9 +8,8 @@ from indoor_explorers.env import PRESETS, InputError, Scenario
 from indoor_explorers.env.scenarios.parts import Radio
 from indoor_explorers.evaluation.harness.experiment.experiment import Experiment, declared_margin
 from indoor_explorers.evaluation.harness.experiment.planning import plan
-from indoor_explorers.evaluation.harness.experiment.request import ComparisonRequest
+from indoor_explorers.evaluation.harness.experiment.request import ComparisonRequest, read_setting
 from indoor_explorers.evaluation.harness.experiment.selection import DEFAULT_POLICIES
-from indoor_explorers.evaluation.harness.options import read_setting
 
 EXPERIMENTS = Path(__file__).parents[4] / "evaluation" / "experiments"
 FILE = """

@@ -15,9 +15,9 @@ from indoor_explorers.evaluation.harness.episodes.runner import fly
 from indoor_explorers.evaluation.harness.experiment.experiment import Task, build_experiment
 from indoor_explorers.evaluation.harness.experiment.planning import plan
 from indoor_explorers.evaluation.harness.experiment.request import ComparisonRequest
+from indoor_explorers.evaluation.harness.results.database import not_written
 from indoor_explorers.evaluation.harness.results.results import Results
 from indoor_explorers.evaluation.harness.results.store import Store
-from indoor_explorers.evaluation.harness.results.writing import not_written
 from tests.evaluation.plugins import Wander
 
 POLICY = "tests.evaluation.plugins:Wander"

@@ -15,10 +15,9 @@ from indoor_explorers.env.scenarios.validation import validated
 from indoor_explorers.evaluation.cli.parser import main
 from indoor_explorers.evaluation.harness.results.results import Results
 from indoor_explorers.evaluation.studies import many_trainings
+from indoor_explorers.evaluation.studies.ablation.ablation import COLUMNS, runs_of, write_table
 from indoor_explorers.evaluation.studies.ablation.drawing import on_one_grid
-from indoor_explorers.evaluation.studies.ablation.runs import runs_of
 from indoor_explorers.evaluation.studies.ablation.scoring import VariantScore
-from indoor_explorers.evaluation.studies.ablation.table import COLUMNS, write_table
 from indoor_explorers.evaluation.studies.many_trainings import Training, train_all
 from indoor_explorers.evaluation.studies.training import nested
 from indoor_explorers.learners.dddqn import train as dddqn

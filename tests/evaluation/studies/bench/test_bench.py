@@ -15,11 +15,10 @@ from indoor_explorers.evaluation.harness.experiment.experiment import Task
 from indoor_explorers.evaluation.studies import bench
 from indoor_explorers.evaluation.studies.bench import deciding, exploring, growth, interfaces, worlds
 from indoor_explorers.evaluation.studies.bench.ancestor import ancestor_speed, of_world
-from indoor_explorers.evaluation.studies.bench.figure import Benchmark, Figure
-from indoor_explorers.evaluation.studies.bench.table import human, line_of
+from indoor_explorers.evaluation.studies.bench.figure import Benchmark, Figure, human, line_of
 from tests.behaviour.policies import EXHAUSTIVE
 
-PACED = "indoor_explorers.evaluation.studies.bench.isolation:Paced"
+PACED = "indoor_explorers.evaluation.studies.bench.harness:Paced"
 
 UNITS = {
     "world-16x16-lidar3-team1": "agent-steps/s",

@@ -9,8 +9,14 @@ from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.maps.sources import RoomsMaps
 from indoor_explorers.env.maps.statistics import Statistic
 from indoor_explorers.evaluation.cli import main
-from indoor_explorers.evaluation.studies.maps.comparison import COMPARED, distance, maps_of, measured, pooled
-from indoor_explorers.evaluation.studies.maps.pockets import fly
+from indoor_explorers.evaluation.studies.maps.comparison import (
+    COMPARED,
+    distance,
+    maps_of,
+    measured,
+    pooled,
+    sampled_frontiers,
+)
 
 SIZE, SHARE = Statistic("size", "cells", True), Statistic("share", "", False)
 
@@ -22,7 +28,7 @@ def arrays(*values):
 def test_a_flight_looks_at_all_that_is_unknown_at_first_and_then_now_and_again():
     task = Scenario(map=RoomsMaps(height=24, width=24))
     plan = task.map.floorplan(0, 3)
-    found = fly(plan, task, 3)
+    found = sampled_frontiers(plan, task, 3)
     assert len(found.pockets) == found.clusters.sum()
     world = World(task.with_settings({"spawn": "random"}))
     world.begin(0, 3, floorplan=plan)

@@ -1,7 +1,5 @@
 """One update of the network: every switch does what it says, and nothing is lost in a checkpoint."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -272,18 +270,16 @@ def test_mixed_precision_learns_nearly_the_same() -> None:
 
 
 @pytest.mark.parametrize(
-    ("capabilities", "expected"), [({"avx512_bf16": True}, True), ({"amx_bf16": True}, True), ({"avx2": True}, False)]
+    ("capabilities", "expected"),
+    [({"avx512_bf16": True}, True), ({"amx_bf16": True}, True), ({"avx2": True}, False), (None, False)],
 )
-def test_auto_mixes_where_the_processor_is_made_for_it(
-    capabilities: dict[str, bool], expected: bool, monkeypatch: pytest.MonkeyPatch
+def test_auto_mixes_where_torch_tells_that_the_processor_is_made_for_it(
+    capabilities: dict[str, bool] | None, expected: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(torch.cpu, "get_capabilities", lambda: capabilities, raising=False)
+    if capabilities is None:
+        monkeypatch.delattr(torch.cpu, "get_capabilities")
     assert learner(precision="auto").mixed == expected
-
-
-def test_auto_takes_full_precision_where_torch_cannot_tell(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.delattr(torch.cpu, "get_capabilities", raising=False)
-    assert not learner(precision="auto").mixed
 
 
 def test_a_gpu_that_is_not_there_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:

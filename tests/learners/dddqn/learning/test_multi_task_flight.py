@@ -1,6 +1,4 @@
-"""Several scenarios in one training: what each flies is what it would fly alone, and all that follows from it."""
-
-from __future__ import annotations
+"""Several scenarios in one training: each is flown as it would be flown alone."""
 
 import os
 import signal
@@ -14,18 +12,16 @@ import pytest
 from indoor_explorers.env import InputError, Scenario
 from indoor_explorers.learners.dddqn.config import TrainingConfig
 from indoor_explorers.learners.dddqn.learning.multi_task_flight import MultiTaskFlight, shares
-from indoor_explorers.learners.dddqn.learning.training import Training
 from indoor_explorers.learners.dddqn.learning.vector_flight import VectorFlight
 from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
 from indoor_explorers.learners.dddqn.observation.map_prior import no_prior
 from indoor_explorers.learners.dddqn.observation.scales import sensor
-from indoor_explorers.learners.dddqn.train import Progress, train
+from indoor_explorers.learners.dddqn.train import Training, train
 from indoor_explorers.learners.sessions import session
-from indoor_explorers.learners.sessions.checkpoint import CHECKPOINT
 from indoor_explorers.learners.sessions.evaluation import Evaluation, mean_evaluation
 from indoor_explorers.learners.sessions.record import TrainingRecord, read_record
-from indoor_explorers.planners.toolbox.networks.tensors import read_tensors
-from tests.learners.dddqn.rooms import TINY, small_room
+from indoor_explorers.learners.sessions.session import Progress
+from tests.learners.dddqn.rooms import TINY, assert_same_checkpoints, small_room
 
 SIGHT = ObservationConfig(layers=("unknown", "free", "mates"), tours=False)
 
@@ -96,10 +92,7 @@ def test_a_training_on_several_scenarios_resumes_bit_for_bit(tmp_path: Path, mon
         train(config, small_room(), cut, seed=1, report=interrupt)
     assert 300 <= read_record(cut, TrainingRecord, ["dddqn"]).steps < 400
     assert train(config, small_room(), cut, seed=1, resume=True).read_bytes() == whole.read_bytes()
-    first, second = (read_tensors(tmp_path / name / CHECKPOINT) for name in ("whole", "cut"))
-    assert first[1] == second[1]
-    for name, array in first[0].items():
-        assert np.array_equal(array, second[0][name]), name
+    assert_same_checkpoints(tmp_path / "whole", cut)
     with pytest.raises(InputError, match=r"holds a training with task .*, expected"):
         train(config.model_copy(update={"also": ()}), small_room(), cut, seed=1, resume=True)
 

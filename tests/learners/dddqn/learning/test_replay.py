@@ -1,7 +1,5 @@
 """The replay ring, its sum tree and the stack of frames."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -191,7 +189,7 @@ def test_importance_weights_undo_the_priorities_and_are_at_most_one() -> None:
     assert torch.equal(replay.sample(50, 1, 1.0, rng).weight_B, torch.ones(50))
 
 
-def test_errors_of_transitions_that_are_gone_change_nothing() -> None:
+def test_errors_of_overwritten_transitions_change_nothing() -> None:
     replay = ring(6, 1, prioritised=1.0)
     for tick in range(8):
         add(replay, tick)

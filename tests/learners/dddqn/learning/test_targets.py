@@ -1,7 +1,5 @@
 """Targets: terminal, truncated, n-step, and the value of what follows."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import torch

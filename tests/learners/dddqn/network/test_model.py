@@ -1,7 +1,5 @@
 """The dueling network, its switches and its compiled twin."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

@@ -1,6 +1,4 @@
-"""The best places to look from, held against their definition."""
-
-from __future__ import annotations
+"""Candidate features of the moves against their definition."""
 
 import math
 
@@ -11,6 +9,7 @@ from indoor_explorers.env import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.grid.arrays import Belief, Cell
 from indoor_explorers.env.grid.cells import MOVES
 from indoor_explorers.env.search.bfs import distance_field
+from indoor_explorers.env.search.frontiers import frontier_mask
 from indoor_explorers.env.sensing.lidar import lidar_model, new_scan, visible_cells
 from indoor_explorers.learners.dddqn.network.config import NetworkConfig
 from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
@@ -47,23 +46,15 @@ def views(belief: Belief, cell: Cell, lidar: float) -> tuple[int, float]:
     return len(unknown), float(sum(1 + 8 * count / 24 for count in known))
 
 
-def is_frontier(belief: Belief, cell: Cell) -> bool:
-    near = [(cell[0] + dr, cell[1] + dc) for dr, dc in MOVES[:4].tolist()]
-    inside = [(r, c) for r, c in near if 0 <= r < belief.shape[0] and 0 <= c < belief.shape[1]]
-    return belief[cell] == FREE and any(belief[place] == UNKNOWN for place in inside)
-
-
 @pytest.mark.parametrize("lidar", [2.0, 3.0, 5.5])
 def test_prospects_are_what_their_definition_says(lidar):
     rng, compared = np.random.default_rng(4), 0
     for _ in range(10):
         belief, cell = random_belief(rng)
         shown = features(looked(belief, cell, lidar))
-        places = [
-            (int(r), int(c))
-            for r, c in np.argwhere(distance_field(belief, cell) < 1000)
-            if (r, c) != cell and is_frontier(belief, (int(r), int(c)))
-        ]
+        offered = frontier_mask(belief) & (distance_field(belief, cell) < 1000)
+        offered[cell] = False
+        places = [(int(r), int(c)) for r, c in np.argwhere(offered)]
         sights = {place: views(belief, place, lidar) for place in places}
         for kind, (power, rate) in enumerate([(1.0, 1.5), (0.5, 0.8)]):
             worth = np.zeros(4)
@@ -107,7 +98,7 @@ def corridor() -> Belief:
     return belief
 
 
-def test_what_a_teammate_is_nearer_to_is_left_to_it():
+def test_cells_closer_to_a_teammate_are_left_to_it():
     best = [int(features(looked(corridor(), (1, 9)))[kind, :, BEST].argmax()) for kind in range(2)]
     assert best == [1, 1]
     left = {"mates": [(1, 5), (0, 0)], "ages": (2, -1)}
@@ -116,7 +107,7 @@ def test_what_a_teammate_is_nearer_to_is_left_to_it():
     assert features(looked(corridor(), (1, 9), **long_ago))[:, 1, BEST].tolist() == [1, 1]
 
 
-def test_a_prospect_is_held_on_to():
+def test_the_last_best_candidate_is_preferred():
     belief = corridor()
     fresh = looked(belief, (1, 10))
     assert features(fresh)[:, :, BEST].sum(axis=1).tolist() == [2, 2]
@@ -127,7 +118,7 @@ def test_a_prospect_is_held_on_to():
     assert features(held)[:, 1, BEST].tolist() == [0, 0]
 
 
-def test_a_teammate_in_the_way_bars_what_is_behind_it():
+def test_a_teammate_in_the_way_blocks_the_candidates_behind_it():
     watcher = looked(corridor(), (1, 9))
     watcher.memory.aimed[:] = 21 + 8
     watcher.look(corridor(), (1, 9))

@@ -1,6 +1,4 @@
-"""The learned map prior: what it is told, what it says, and that it learns."""
-
-from __future__ import annotations
+"""The learned map prior: its inputs, its probabilities and its fitting."""
 
 import numpy as np
 

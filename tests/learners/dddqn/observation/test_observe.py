@@ -1,6 +1,4 @@
-"""The observation: symmetric, complete, and of nothing but what the UAV knows."""
-
-from __future__ import annotations
+"""The observation: symmetric, complete, and computed from the UAV's own knowledge alone."""
 
 import numpy as np
 import pytest
@@ -12,9 +10,7 @@ from indoor_explorers.env.grid.cells import MOVES
 from indoor_explorers.env.search.bfs import distance_field
 from indoor_explorers.env.search.frontiers import frontier_mask
 from indoor_explorers.env.sensing.lidar import view_gain
-from indoor_explorers.learners.dddqn.observation.changed_boxes import note
 from indoor_explorers.learners.dddqn.observation.config import LAYERS, Layer, ObservationConfig
-from indoor_explorers.learners.dddqn.observation.known import Known
 from indoor_explorers.learners.dddqn.observation.layout import (
     GAINS,
     SYMMETRIES,
@@ -24,9 +20,10 @@ from indoor_explorers.learners.dddqn.observation.layout import (
     symmetries,
     turned,
 )
-from indoor_explorers.learners.dddqn.observation.memory import SPENT, ObservationMemory, new_memory
+from indoor_explorers.learners.dddqn.observation.memory import SPENT, ObservationMemory, new_memory, note
 from indoor_explorers.learners.dddqn.observation.observe import observation_context, observe
 from indoor_explorers.learners.dddqn.observation.scales import sensor
+from indoor_explorers.learners.dddqn.observation.uav import Known
 from tests.learners.dddqn.rooms import random_belief, small_room, some_prior
 
 Cell = tuple[int, int]
@@ -223,7 +220,7 @@ def test_one_search_tells_what_lies_behind_every_move(lidar: float) -> None:
 
 
 @pytest.mark.parametrize("lidar", [3.0, 7.0])
-def test_what_is_kept_equals_what_is_worked_out_anew(lidar: float) -> None:
+def test_cached_values_equal_recomputed_ones(lidar: float) -> None:
     scenario = small_room(9).with_settings(
         {"map.height": 19, "map.width": 22, "team": 3, "lidar.range": lidar, "radio.model": "square", "radio.range": 4}
     )
@@ -253,7 +250,7 @@ def test_what_is_kept_equals_what_is_worked_out_anew(lidar: float) -> None:
     assert heard > 10
 
 
-def test_news_come_in_boxes_that_hold_all_of_it() -> None:
+def test_changed_boxes_cover_all_newly_known_cells() -> None:
     rng = np.random.default_rng(6)
     belief, noted, boxes = np.zeros((9, 12), np.uint8), np.zeros((9, 12), np.uint8), np.zeros((5, 4), np.int64)
     for share in (0.02, 0.1, 0.0, 0.5, 1.0):
@@ -270,7 +267,7 @@ def test_news_come_in_boxes_that_hold_all_of_it() -> None:
 
 
 @pytest.mark.parametrize(("switched_off", "fewer"), [({"gains": False}, len(GAINS)), ({"visits": False}, len(VISITS))])
-def test_what_is_switched_off_is_left_out(switched_off: dict[str, bool], fewer: int) -> None:
+def test_disabled_features_are_left_out(switched_off: dict[str, bool], fewer: int) -> None:
     belief, cell = random_belief(np.random.default_rng(3))
     whole = watched(belief, cell).moves[0]
     config = EVERYTHING.model_copy(update=switched_off)
@@ -281,7 +278,7 @@ def test_what_is_switched_off_is_left_out(switched_off: dict[str, bool], fewer: 
     assert np.array_equal(part, whole[:, kept])
 
 
-def test_nothing_in_reach_is_told_apart() -> None:
+def test_the_distance_to_the_nearest_gain_is_minus_one_without_any() -> None:
     belief = np.full((6, 7), FREE, np.uint8)
     assert watched(belief, (2, 3)).memory.nearest[0] == -1
     belief[5, 6] = UNKNOWN

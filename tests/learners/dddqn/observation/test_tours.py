@@ -1,6 +1,4 @@
-"""Tours: the beam search on bitboards against plain searches, and what the network is told of them."""
-
-from __future__ import annotations
+"""Tours: the beam search on bitboards against plain searches, and the tour features of the moves."""
 
 from collections import deque
 from itertools import pairwise
@@ -19,8 +17,8 @@ from indoor_explorers.env.sensing.lidar import view_gain
 from indoor_explorers.learners.dddqn.observation.beam import Aim, follow_tour, new_beam, shortest_tour
 from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
 from indoor_explorers.learners.dddqn.observation.layout import TOURS
+from indoor_explorers.learners.dddqn.observation.map_prior import UNLIKELY, assume_obstacles
 from indoor_explorers.learners.dddqn.observation.memory import new_memory
-from indoor_explorers.learners.dddqn.observation.optimistic_map import UNLIKELY, assume_obstacles
 from indoor_explorers.learners.dddqn.observation.scales import scratch, sensor
 from indoor_explorers.learners.dddqn.observation.tours import sectors
 from indoor_explorers.planners.toolbox.information.optimistic_views import update_views
@@ -102,13 +100,19 @@ def small_belief(seed: int) -> tuple[Belief, tuple[int, int]]:
     return belief, (row, col)
 
 
+def passable(belief: Belief) -> nx.Graph:
+    """Return the graph of the cells that are not known obstacles."""
+    graph = nx.grid_2d_graph(*belief.shape)
+    graph.remove_nodes_from([tuple(cell) for cell in np.argwhere(belief == OCCUPIED).tolist()])
+    return graph
+
+
 def test_views_and_passages_follow_the_belief() -> None:
     for seed in range(8):
         belief, _ = small_belief(seed)
         room = Room(belief)
         assert room.obstructed == (belief == OCCUPIED).any()
-        graph = nx.grid_2d_graph(*belief.shape)
-        graph.remove_nodes_from([tuple(cell) for cell in np.argwhere(belief == OCCUPIED).tolist()])
+        graph = passable(belief)
         for r, c in np.argwhere(belief != OCCUPIED).tolist():
             found = {divmod(int(k), STRIDE) for k in room.passages[r * STRIDE + c] if k >= 0}
             assert found == set(graph[(r, c)])
@@ -116,7 +120,7 @@ def test_views_and_passages_follow_the_belief() -> None:
             assert len(unknown) == view_gain(belief, (r, c), 3.0)
 
 
-def test_what_is_nearly_certain_to_be_an_obstacle_is_taken_for_one() -> None:
+def test_probable_obstacles_are_assumed_to_be_obstacles() -> None:
     for seed in range(4):
         belief, _ = small_belief(seed)
         unlikely = np.random.default_rng(seed).random(belief.shape) < 0.3
@@ -133,7 +137,7 @@ def test_tours_are_valid_and_the_nearer_to_the_shortest_the_wider_the_beam(width
     for seed in range(40):
         belief, start = small_belief(seed)
         room = Room(belief)
-        reach = frozenset().union(*(room.seen(cell) for cell in _reached(room, start)))
+        reach = frozenset().union(*(room.seen(cell) for cell in nx.node_connected_component(passable(belief), start)))
         unseen = frozenset((r, c) for r, c in reach if belief[r, c] == UNKNOWN)
         aim = Aim(rest=1.0, halfway=5.0, isolation=8.0)
         at = start[0] * STRIDE + start[1]
@@ -149,12 +153,6 @@ def test_tours_are_valid_and_the_nearer_to_the_shortest_the_wider_the_beam(width
         extra.append(tour.steps - room.shortest(start, unseen, 1))
     assert min(extra) >= 0
     assert np.mean(extra) < longer
-
-
-def _reached(room: Room, start: tuple[int, int]) -> list[tuple[int, int]]:
-    graph = nx.grid_2d_graph(*room.belief.shape)
-    graph.remove_nodes_from([tuple(cell) for cell in np.argwhere(room.belief == OCCUPIED).tolist()])
-    return list(nx.node_connected_component(graph, start))
 
 
 def test_a_kept_tour_is_worth_what_is_left_of_it_and_nothing_when_blocked() -> None:
@@ -199,7 +197,7 @@ def test_blocked_moves_say_so_and_others_do_not() -> None:
     assert (beyond[~blocked] < 1).all()
 
 
-def test_what_a_teammate_is_nearer_to_is_left_to_it() -> None:
+def test_cells_closer_to_a_teammate_are_left_to_it() -> None:
     belief = np.full((3, 15), FREE, np.uint8)
     belief[:, :2] = belief[:, 13:] = UNKNOWN
     west = next(k for k in range(4) if MOVES[k].tolist() == [0, -1])
@@ -250,7 +248,7 @@ def test_sectors_are_as_large_as_each_other_and_meet_in_the_middle() -> None:
         assert (sectors((16, 16), PRESETS[name]) >= 0).all() == parted
 
 
-def test_what_is_as_near_to_two_is_left_to_the_lower_number() -> None:
+def test_equally_near_cells_are_left_to_the_lower_number() -> None:
     belief = np.full((3, 15), FREE, np.uint8)
     belief[:, :2] = UNKNOWN
     belief[1, 14] = UNKNOWN  # left where all else is a teammate's

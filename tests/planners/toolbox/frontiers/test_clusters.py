@@ -19,12 +19,16 @@ from indoor_explorers.planners.toolbox.frontiers.clusters import (
 from indoor_explorers.planners.toolbox.navigation.paths import Paths
 
 
+def parts(clusters: Clusters) -> list[np.ndarray]:
+    return np.split(clusters.cells, clusters.ends[1:-1])
+
+
 def test_unsplit_clusters_agree_with_scipy_labels(belief: Belief) -> None:
     clusters = frontier_clusters(belief, 1e6)
     labels, count = ndimage.label(frontier_mask(belief), structure=np.ones((3, 3)))
     assert clusters.size == count
     for k in range(count):
-        cells = clusters.cells[clusters.ends[k] : clusters.ends[k + 1]]
+        cells = parts(clusters)[k]
         assert set(cells.tolist()) == set(np.flatnonzero(labels.ravel() == k + 1).tolist())
 
 
@@ -33,7 +37,7 @@ def test_clusters_are_small_and_hold_every_frontier_cell_once(belief: Belief, li
     clusters = frontier_clusters(belief, lidar_range)
     assert sorted(clusters.cells.tolist()) == np.flatnonzero(frontier_mask(belief)).tolist()
     for k in range(clusters.size):
-        cells = clusters.cells[clusters.ends[k] : clusters.ends[k + 1]]
+        cells = parts(clusters)[k]
         points = np.stack(np.divmod(cells, belief.shape[1]), axis=1)
         assert len(points) > 0
         assert np.hypot(*(points - points.mean(axis=0)).T).max() <= SPREAD * lidar_range + 1e-6
@@ -43,7 +47,7 @@ def test_a_straight_frontier_is_halved() -> None:
     belief = np.ones((3, 8), np.uint8)
     belief[0] = 0
     clusters = frontier_clusters(belief, 4.0)
-    assert [len(part) for part in np.split(clusters.cells, clusters.ends[1:-1])] == [4, 4]
+    assert [len(part) for part in parts(clusters)] == [4, 4]
 
 
 def test_nearest_cells(belief: Belief, start: Cell) -> None:
@@ -51,7 +55,7 @@ def test_nearest_cells(belief: Belief, start: Cell) -> None:
     clusters = frontier_clusters(belief, 3.0)
     cells, steps = nearest_cells(field, clusters)
     for k in range(clusters.size):
-        of_cluster = field.ravel()[clusters.cells[clusters.ends[k] : clusters.ends[k + 1]]]
+        of_cluster = field.ravel()[parts(clusters)[k]]
         assert steps[k] == min(of_cluster.min(), UNREACHABLE)
         assert field.ravel()[cells[k]] == steps[k]
 
@@ -65,7 +69,7 @@ def test_a_known_map_has_no_clusters() -> None:
 def test_the_middle_is_the_cell_nearest_to_the_mean(belief: Belief) -> None:
     clusters = frontier_clusters(belief, 6.0)
     for k, cell in enumerate(middles(clusters, belief.shape[1]).tolist()):
-        cells = clusters.cells[clusters.ends[k] : clusters.ends[k + 1]]
+        cells = parts(clusters)[k]
         points = np.stack(np.divmod(cells, belief.shape[1]), axis=1)
         away = np.hypot(*(points - points.mean(axis=0)).T)
         assert away[cells.tolist().index(cell)] == pytest.approx(away.min())

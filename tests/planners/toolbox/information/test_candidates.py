@@ -17,13 +17,9 @@ from indoor_explorers.planners.toolbox.information.candidates import (
     frontier_candidates,
     local_candidates,
 )
+from tests.planners.flights import graph_of
 
 PLAIN = UnknownWeight(0.0, 1e9)
-
-
-def graph(belief: Belief, *values: np.uint8) -> nx.Graph:
-    whole = nx.grid_2d_graph(*belief.shape)
-    return whole.subgraph([cell for cell in whole if belief[cell] in values])
 
 
 def test_depths_are_steps_through_the_unknown(belief: Belief) -> None:
@@ -32,7 +28,7 @@ def test_depths_are_steps_through_the_unknown(belief: Belief) -> None:
     known = [tuple(cell) for cell in np.argwhere(belief == FREE).tolist()]
     edges = [(a, b) for a, b in nx.grid_2d_graph(*belief.shape).edges if UNKNOWN in (belief[a], belief[b])]
     passable = nx.Graph(edge for edge in edges if all(belief[cell] in (FREE, UNKNOWN) for cell in edge))
-    unknown = graph(belief, UNKNOWN)
+    unknown = graph_of(belief == UNKNOWN)
     fronts = {b for a in known if a in passable for b in passable[a]}
     expected = nx.multi_source_dijkstra_path_length(unknown, fronts) if fronts else {}
     for cell in np.ndindex(*belief.shape):
@@ -72,7 +68,7 @@ def test_hops_are_shortest_up_to_the_limit(belief: Belief) -> None:
     field = distance_field(belief, start)
     cells = np.flatnonzero((belief == FREE) & (field < UNREACHABLE)).astype(np.int32)[::3]
     steps = field.ravel()[cells].astype(np.float64)[None]
-    lengths = dict(nx.all_pairs_shortest_path_length(graph(belief, FREE)))
+    lengths = dict(nx.all_pairs_shortest_path_length(graph_of(belief == FREE)))
     between = distances_between(belief, cells, steps, 5)
     for a, one in enumerate(cells.tolist()):
         for b, other in enumerate(cells.tolist()):

@@ -9,6 +9,7 @@ from indoor_explorers.env.grid.cells import FREE, OCCUPIED
 from indoor_explorers.env.search.bitsets import unpacked
 from indoor_explorers.env.sensing.lidar import lidar_model, new_scan, visible_cells
 from indoor_explorers.planners.toolbox.information.optimistic_views import OptimisticViews
+from tests.planners.flights import graph_of
 
 
 def seen_from(belief: Belief, cell: int, lidar_range: float) -> set[int]:
@@ -20,8 +21,7 @@ def seen_from(belief: Belief, cell: int, lidar_range: float) -> set[int]:
 
 
 def not_obstacles(belief: Belief) -> nx.Graph:
-    graph = nx.grid_2d_graph(*belief.shape)
-    graph.remove_nodes_from([tuple(cell) for cell in np.argwhere(belief == OCCUPIED).tolist()])
+    graph = graph_of(belief != OCCUPIED)
     return nx.relabel_nodes(graph, {node: node[0] * belief.shape[1] + node[1] for node in graph})
 
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from indoor_explorers.env.grid.arrays import Belief
-from indoor_explorers.env.grid.cells import UNKNOWN
+from indoor_explorers.env.grid.cells import FREE, UNKNOWN
 from indoor_explorers.env.sensing.lidar import lidar_model, new_scan, view_gain, visible_cells
-from indoor_explorers.planners.toolbox.information.view_gain import WeightedGains
+from indoor_explorers.planners.toolbox.information.view_gain import WeightedGains, unclaimed_gains
 
 
 def plain_gain(belief: Belief, cell: int, lidar_range: float, depth: float, isolation: float) -> float:
@@ -59,3 +59,15 @@ def test_the_old_name_of_the_decay_length_is_accepted() -> None:
     with pytest.warns(FutureWarning, match="WeightedGains: the parameter 'depth' is now 'decay_length'"):
         old = WeightedGains(belief.shape, 4.0, **given)
     assert old.at(belief, cells) == WeightedGains(belief.shape, 4.0, decay_length=0.5).at(belief, cells)
+
+
+def test_gains_near_claims_are_discounted() -> None:
+    belief = np.zeros((9, 20), np.uint8)
+    belief[:, :10] = FREE
+    cells = np.array([4 * 20 + 9, 0 * 20 + 9], np.int32)
+    nothing = np.empty((0, 2))
+    free = unclaimed_gains(belief, cells, nothing, 3.0)
+    assert free.tolist() == [view_gain(belief, (4, 9), 3.0), view_gain(belief, (0, 9), 3.0)]
+    claimed = unclaimed_gains(belief, cells, np.array([[4.0, 9.0]]), 3.0)
+    assert claimed[0] == 0
+    assert 0 < claimed[1] < free[1]

@@ -7,7 +7,7 @@ from indoor_explorers.env import make_policy
 from indoor_explorers.env.grid.arrays import Belief, Cell, Mask
 from indoor_explorers.env.grid.cells import FREE
 from indoor_explorers.env.search.bfs import distance_field
-from indoor_explorers.planners.toolbox.navigation.passing_places import CHOICE, passing_places, path_to_passing_place
+from indoor_explorers.planners.toolbox.navigation.deadlock import CHOICE, passing_places, path_to_passing_place
 from indoor_explorers.planners.toolbox.navigation.paths import Paths
 from tests.planners.flights import fly
 

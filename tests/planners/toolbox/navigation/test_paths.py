@@ -10,18 +10,15 @@ from scipy.sparse.csgraph import shortest_path
 
 from indoor_explorers.env.grid.arrays import Belief, Cell
 from indoor_explorers.env.grid.cells import FREE, UNREACHABLE
+from indoor_explorers.env.search.bfs import distance_field
 from indoor_explorers.env.search.frontiers import frontier_cells, frontier_mask, on_frontier
 from indoor_explorers.planners.toolbox.navigation.paths import Paths, count_known
-
-
-def grid_graph(belief: Belief) -> nx.Graph[Cell]:
-    graph: nx.Graph[Cell] = nx.grid_2d_graph(*belief.shape)
-    graph.remove_nodes_from([(r, c) for r, c in np.argwhere(belief != FREE).tolist()])
-    return graph
+from indoor_explorers.planners.toolbox.navigation.straight_paths import straight_path
+from tests.planners.flights import graph_of
 
 
 def lengths(belief: Belief, start: Cell) -> dict[Cell, int]:
-    return dict(nx.single_source_shortest_path_length(grid_graph(belief), start))
+    return dict(nx.single_source_shortest_path_length(graph_of(belief == FREE), start))
 
 
 def assert_is_path(belief: Belief, path: list[Cell]) -> None:
@@ -44,7 +41,7 @@ def test_all_pairs_agree_with_scipy(belief: Belief) -> None:
     numbers = {int(cell): k for k, cell in enumerate(free)}
     width = belief.shape[1]
     graph = lil_array((len(free), len(free)), dtype=np.int8)
-    for (row, col), (r, c) in grid_graph(belief).edges:
+    for (row, col), (r, c) in graph_of(belief == FREE).edges:
         graph[numbers[row * width + col], numbers[r * width + c]] = 1
     expected = np.minimum(shortest_path(graph.tocsr(), directed=False, unweighted=True), UNREACHABLE)
     paths = Paths((belief.shape[0], belief.shape[1]))
@@ -76,7 +73,7 @@ def test_paths_are_shortest(belief: Belief, start: Cell) -> None:
 
 def test_barred_cells_are_not_entered(belief: Belief, start: Cell) -> None:
     paths = Paths((belief.shape[0], belief.shape[1]))
-    graph = grid_graph(belief)
+    graph = graph_of(belief == FREE)
     for barred in list(graph.neighbors(start)):
         without = graph.copy()
         without.remove_node(barred)
@@ -134,3 +131,22 @@ def test_frontier_cells_agree_with_the_mask(belief: Belief) -> None:
 
 def test_known_cells_are_counted(belief: Belief) -> None:
     assert count_known(belief) == np.count_nonzero(belief)
+
+
+def test_straight_paths_are_shortest_paths(belief: Belief, start: Cell) -> None:
+    field = distance_field(belief, start)
+    for goal in map(tuple, np.argwhere(belief == FREE)[::3].tolist()):
+        path = straight_path(belief, start, goal)
+        if field[goal] == UNREACHABLE:
+            assert path == []
+            continue
+        assert (path[0], path[-1], len(path)) == (start, goal, field[goal] + 1)
+        for before, after in pairwise(path):
+            assert abs(before[0] - after[0]) + abs(before[1] - after[1]) == 1
+            assert belief[after] == FREE
+
+
+def test_in_the_open_the_longer_axis_is_shortened_first() -> None:
+    path = straight_path(np.ones((9, 9), np.uint8), (0, 0), (3, 6))
+    assert path[:4] == [(0, 0), (0, 1), (0, 2), (0, 3)]
+    assert {abs((3 - row) - (6 - col)) for row, col in path[3:]} == {0, 1}

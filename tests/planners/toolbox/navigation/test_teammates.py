@@ -6,11 +6,11 @@ import pytest
 from indoor_explorers.env import Mate, View, World, scenario
 from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.planners.toolbox.navigation.teammates import CLAIM_STEPS, MEMORY, claims, ranks, remembered
+from tests.planners.flights import view_of
 
 
-def view_of(*mates: Mate) -> View:
-    known = np.ones((40, 40), np.uint8)
-    return View(known, (20, 20), np.ones(5, np.bool_), 100, 1000, mates, known == 0)
+def with_mate(mate: Mate) -> View:
+    return view_of(np.ones((40, 40), np.uint8), (20, 20), (mate,))
 
 
 @pytest.mark.parametrize(
@@ -34,14 +34,14 @@ def test_who_is_remembered(model: str, mate: Mate, expected: bool) -> None:
     task = scenario("thesis-team-2").with_settings({"radio.model": model, "radio.range": 5.0})
     world = World(task)
     world.reset([0])
-    assert bool(remembered(view_of(mate), world.briefing(0, 0))) is expected
+    assert bool(remembered(with_mate(mate), world.briefing(0, 0))) is expected
 
 
 def test_silence_proves_nothing_where_contacts_are_lost() -> None:
     settings = {"radio.model": "disc", "radio.range": 5.0, "radio.loss": 0.1}
     world = World(scenario("thesis-team-2").with_settings(settings))
     world.reset([0])
-    assert remembered(view_of(Mate(1, (20, 22), 2, None)), world.briefing(0, 0))
+    assert remembered(with_mate(Mate(1, (20, 22), 2, None)), world.briefing(0, 0))
 
 
 def test_claims_expire() -> None:
@@ -49,9 +49,9 @@ def test_claims_expire() -> None:
     world.reset([0])
     fresh, stale = Mate(1, (0, 0), CLAIM_STEPS, (3.0, 4.0)), Mate(1, (0, 0), CLAIM_STEPS + 1, (5.0, 6.0))
     briefing = world.briefing(0, 0)
-    assert claims(view_of(fresh), briefing).tolist() == [[3.0, 4.0]]
-    assert claims(view_of(stale), briefing).shape == (0, 2)
-    assert claims(view_of(Mate(1, (0, 0), 0, None)), briefing).shape == (0, 2)
+    assert claims(with_mate(fresh), briefing).tolist() == [[3.0, 4.0]]
+    assert claims(with_mate(stale), briefing).shape == (0, 2)
+    assert claims(with_mate(Mate(1, (0, 0), 0, None)), briefing).shape == (0, 2)
 
 
 def test_ranks_count_the_nearer_ones() -> None:

@@ -7,6 +7,7 @@ import pytest
 from indoor_explorers.env.search.bfs import distance_field
 from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters
 from indoor_explorers.planners.toolbox.pockets.labels import true_pockets
+from tests.planners.flights import graph_of
 
 
 def known_part(truth: np.ndarray, known: np.ndarray) -> np.ndarray:
@@ -45,9 +46,7 @@ def test_the_unknown_free_cells_are_parted_among_the_clusters(seed: int) -> None
     field = distance_field(belief, (5, 5))
     clusters = frontier_clusters(belief, 4.0)
     pockets = true_pockets(belief, truth, field, clusters)
-    graph = nx.grid_2d_graph(*truth.shape)
-    graph.remove_nodes_from([cell for cell in list(graph) if truth[cell] == 2])
-    reachable = nx.node_connected_component(graph, (5, 5))
+    reachable = nx.node_connected_component(graph_of(truth != 2), (5, 5))
     assert pockets.sizes.sum() == sum(belief[cell] == 0 for cell in reachable)
     steps = field.ravel()[clusters.cells]
     for k in range(clusters.size):

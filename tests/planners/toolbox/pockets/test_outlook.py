@@ -2,11 +2,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from indoor_explorers.env import World, scenario
-from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.planners.toolbox.pockets.estimates import PocketEstimates
 from indoor_explorers.planners.toolbox.pockets.network import THRESHOLDS
 from indoor_explorers.planners.toolbox.pockets.outlook import ClusterJudge, Outlook, OutlookParameters
+from tests.planners.flights import world_on
 
 
 def outlook(
@@ -19,8 +18,7 @@ def outlook(
     tails: np.ndarray | None = None,
 ) -> Outlook:
     """The outlook of clusters that hide these numbers of cells, some steps away, at a lidar range of 3."""
-    world = World(scenario("thesis-open").with_settings({"goal": goal}))
-    world.begin(0, 0, floorplan=Floorplan.from_free(np.ones((4, 4), np.bool_), "open"), spawns=[(0, 0)])
+    world = world_on(np.ones((4, 4), np.bool_), [(0, 0)], goal=goal)
     judge = ClusterJudge(world.briefing(0, 0), OutlookParameters(skip=skip))
     tails = np.zeros((len(sizes), len(THRESHOLDS))) if tails is None else tails
     estimates = PocketEstimates(tails, np.array(sizes), np.zeros(len(sizes)))

@@ -5,7 +5,7 @@ from itertools import pairwise, permutations
 import numpy as np
 import pytest
 
-from indoor_explorers.planners.toolbox.routing.min_latency import costs_of_first
+from indoor_explorers.planners.toolbox.routing.min_latency import best_orders
 
 
 def plain_cost(order: tuple[int, ...], start: np.ndarray, between: np.ndarray, shares: np.ndarray, latency: float):
@@ -27,7 +27,7 @@ def test_orders_are_nearly_the_cheapest(latency: float) -> None:
         away = np.hypot(*(points[:, None] - points).transpose(2, 0, 1))
         shares = rng.random(count)
         problem = (away[0, 1:].copy(), away[1:, 1:].copy(), shares / shares.sum(), latency)
-        found = costs_of_first(*problem)
+        found = best_orders(*problem)[0]
         for first in range(count):
             best = min(plain_cost(order, *problem) for order in permutations(range(count)) if order[0] == first)
             assert found[first] >= best - 1e-9
@@ -38,5 +38,5 @@ def test_orders_are_nearly_the_cheapest(latency: float) -> None:
 def test_small_things_on_the_way_wait_when_latency_counts() -> None:
     start, between = np.array([3.0, 10.0]), np.array([[0.0, 13.0], [13.0, 0.0]])
     shares = np.array([0.1, 0.9])
-    assert np.argmin(costs_of_first(start, between, shares, 0.0)) == 0
-    assert np.argmin(costs_of_first(start, between, shares, 16.0)) == 1
+    assert np.argmin(best_orders(start, between, shares, 0.0)[0]) == 0
+    assert np.argmin(best_orders(start, between, shares, 16.0)[0]) == 1

@@ -12,7 +12,6 @@ from indoor_explorers.planners.toolbox.routing.open_tours import (
     nearest_neighbour,
     open_tour,
     shared_out,
-    tour_length,
 )
 
 
@@ -24,6 +23,10 @@ def matrix(kind: str, count: int, seed: int) -> Costs:
     points = rng.integers(0, 50, (count, 2))
     steps = np.abs(points[:, None] - points[None]).sum(axis=2)
     return np.asarray(steps, np.int32) if kind == "steps" else np.asarray(steps * 0.37)
+
+
+def tour_length(costs: Costs, order: NDArray[np.int64]) -> float:
+    return float(costs[order[:-1], order[1:]].sum())
 
 
 def shortest(costs: Costs, first: int) -> float:
@@ -66,9 +69,6 @@ def test_small_tours_are_nearly_always_as_short_as_can_be(kind: str) -> None:
         assert_visits_all(order, count, first)
         found.append(tour_length(costs, order))
         best.append(shortest(costs, first))
-        restarted = open_tour(costs, first, 30, np.random.default_rng(seed))
-        assert_visits_all(restarted, count, first)
-        assert best[-1] - 1e-9 <= tour_length(costs, restarted) <= found[-1] + 1e-9
     ratios = np.array(found) / np.array(best)
     assert ratios.min() >= 1 - 1e-9
     assert ratios.mean() < 1.05
@@ -99,13 +99,6 @@ def test_places_beyond_reach_come_last() -> None:
     costs = matrix("steps", 6, 1)
     costs[:, 2] = costs[2, :] = 2**30
     assert open_tour(costs).tolist()[-1] == 2
-
-
-def test_the_same_draws_give_the_same_tour() -> None:
-    costs = matrix("steps", 40, 3)
-    tours = [open_tour(costs, 0, 10, np.random.default_rng(5)) for _ in range(2)]
-    assert (tours[0] == tours[1]).all()
-    assert tour_length(costs, tours[0]) <= tour_length(costs, open_tour(costs))
 
 
 @pytest.mark.parametrize("kind", ["steps", "asymmetric"])
