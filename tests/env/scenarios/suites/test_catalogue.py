@@ -28,16 +28,20 @@ CLONES = Path(os.environ.get("SUITE_DATA", "no-folder"))
 USES = {Part.TRAIN: SeedUse.TRAINING, Part.VALIDATION: SeedUse.VALIDATION, Part.TEST: SeedUse.TEST}
 #: What each version of each suite holds.
 CONTENTS = {
+    "dare 1": "9bca31f69c5e25f4",
     "dungeons 1": "5a5c4c30a7b389f1",
     "floors 1": "a770d13394c06bed",
     "floors-generated 1": "b867267fe6de98b5",
+    "ir2-complex 1": "a3e599c324e0b056",
+    "ir2-corridor 1": "f751487f1c129efa",
+    "ir2-hybrid 1": "69b6f5d0dc25690e",
     "rooms 1": "b501cb3e625b5e57",
 }
 ALL = pytest.mark.parametrize("suite", all_suites(), ids=lambda suite: suite.title)
 
 
 def test_these_suites_ship():
-    assert list(suites()) == ["dungeons", "floors", "floors-generated", "rooms"]
+    assert [f"{suite.name} {suite.version}" for suite in suites().values()] == list(CONTENTS)
     assert {f"{suite.name}-{suite.version}.toml" for suite in all_suites()} == {
         file.name for file in FOLDER.glob("*.toml")
     }
