@@ -18,7 +18,7 @@ from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.scenarios.presets import on_files
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
 from indoor_explorers.env.simulation.world import World
-from indoor_explorers.learners.attention.graph import Graph, GraphSettings, true_graph
+from indoor_explorers.learners.attention.graph import TRUE_FEATURES, Graph, GraphSettings, true_graph
 from indoor_explorers.learners.attention.network import Loaded, scores
 from indoor_explorers.learners.attention.pilot import AttentionPilot, probabilities
 from indoor_explorers.learners.pockets.maps import TrainingMaps
@@ -35,6 +35,8 @@ RADIOS: tuple[dict[str, Any], ...] = (
 ROOMS, ROOM_RANGE = 0.2, 3.0
 #: Most blocks of a map, as its free cells by the cells of a block: graphs of larger maps take too long to learn from.
 MOST_BLOCKS = 70
+#: Steps of a flight for each free cell of the map, and the least number.
+BUDGET, LEAST_BUDGET = 0.6, 120
 #: Coverage at which a flight ends.
 ENOUGH = 0.99
 
@@ -69,7 +71,8 @@ def drawn_task(maps: TrainingMaps, seed: int, settings: GraphSettings) -> World:
     reach = ROOM_RANGE if room else float(rng.choice(RANGES, p=RANGE_SHARES))
     team = int(rng.choice(TEAMS, p=TEAM_SHARES))
     plan = _drawn_map(maps, rng, settings.side(reach), seed, room=room)
-    asked: dict[str, Any] = {"team": team, "lidar.range": reach, "budget": None, "goal": ENOUGH}
+    asked: dict[str, Any] = {"team": team, "lidar.range": reach, "goal": ENOUGH}
+    asked["budget"] = max(LEAST_BUDGET, round(BUDGET * np.count_nonzero(plan.truth == FREE)))
     asked |= {"spawn": "random"} if team == 1 else RADIOS[rng.integers(len(RADIOS))]
     world = World(on_files(("map",), None).with_settings(asked).for_evaluation().with_settings({"goal": ENOUGH}))
     world.begin(0, seed, floorplan=plan)
@@ -110,15 +113,13 @@ class RecordingPilot(AttentionPilot):
 
     def pick(self, view: View, graph: Graph, allowed: Mask) -> int:
         """Return which neighbour was drawn."""
-        recorder, reach = self._recorder, float(self.briefing.lidar_range)
+        recorder = self._recorder
         self.close(view.step, 1)
         chosen = int(recorder.rng.choice(len(allowed), p=probabilities(scores(graph, self._loaded), allowed)))
-        seen = graph._replace(features=np.zeros((0, graph.features.shape[1] + 2)), neighbours=graph.neighbours[:0])
+        seen = graph._replace(features=np.zeros((0, TRUE_FEATURES), np.float32), neighbours=graph.neighbours[:0])
         if recorder.truth is not None:
             steps, around = self.steps_from(view, view.cell), self.surroundings(view)
-            seen = true_graph(
-                view.belief, recorder.truth, view.cell, steps, around._replace(lidar_range=reach), self._loaded.graph
-            )
+            seen = true_graph(view.belief, recorder.truth, view.cell, steps, around, self._loaded.graph)
         self._choices.append(
             Choice(
                 graph.features.astype(np.float16),

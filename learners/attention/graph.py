@@ -7,8 +7,8 @@ node 0. Edges lead to the nodes with the shortest paths through free cells. So t
 space is, and every edge can be flown.
 
 Features of a node, as in the papers: position relative to the UAV; utility, the number of frontier cells in view;
-guidepost, whether it lies on a shortest path to the nearest useful node (RA-L 2024, section IV.A). Useful is a node with
-unknown cells in view: after a scan there are none, while frontier cells may stay in view around a corner. Beyond the
+guidepost, whether it lies on a shortest path to the nearest useful node (RA-L 2024, section IV.A). A node is useful if
+unknown cells are in view and the UAV has not been there; frontier cells may stay in view after a scan. Beyond the
 papers: unknown cells in view, steps from the UAV, and for teams the closeness of teammates and of their goals. Lengths
 are in lidar ranges, so that one network fits every lidar.
 """
@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from indoor_explorers.env.grid.arrays import Belief, Cell, Distances
+from indoor_explorers.env.grid.arrays import Belief, Cell, Distances, Mask
 from indoor_explorers.env.grid.cells import FREE, MOVES, UNKNOWN, UNREACHABLE
 from indoor_explorers.env.grid.compiled import kernel, leaf
 from indoor_explorers.env.search.bfs import distance_field
@@ -70,6 +70,8 @@ class Surroundings(NamedTuple):
 
     lidar_range: float
     """Cells."""
+    visited: Mask
+    """(H, W) bool, cells that the UAV has been in."""
     mates: tuple[Cell, ...] = ()
     """Last known cells of the teammates to consider."""
     goals: tuple[Cell, ...] = ()
@@ -108,7 +110,7 @@ def _central(cells: np.ndarray, own: int, middle: tuple[float, float], width: in
             away = -1.0
         if away < least:
             best, least = cells[k], away
-    return best
+    return int(best)
 
 
 @kernel()
@@ -212,7 +214,7 @@ def _graph(
     nodes = _nodes(area, cell[0] * width + cell[1], settings.side(reach))
     known = area.ravel()[nodes] == _KNOWN
     counted = np.where(frontier_mask(belief), 1, np.where(belief == UNKNOWN, 2, 0)).astype(np.uint8).ravel()
-    unknown = _in_view(belief, nodes, counted, lidar_model(reach))[:, 1] * known
+    unknown = _in_view(belief, nodes, counted, lidar_model(reach))[:, 1] * (known & ~around.visited.ravel()[nodes])
     frontiers = _in_view(belief, nodes, counted, lidar_model(UTILITY_RANGE * reach))[:, 0] * known
     rows, cols = np.divmod(nodes, width)
     away = np.minimum(steps.ravel()[nodes] / reach, 4.0 * _STEPS)
@@ -233,7 +235,7 @@ def _graph(
 def _guideposts(
     belief: Belief, nodes: NDArray[np.int32], steps: Distances, unknown: NDArray[np.int32], side: int
 ) -> NDArray[np.bool_]:
-    """Return which of (N,) nodes are near a shortest path to the nearest other node with ``unknown`` (N,) cells in view."""
+    """Return which of (N,) nodes are near a shortest path to the nearest other one with ``unknown`` cells in view."""
     own = steps.ravel()[nodes]
     useful = np.flatnonzero(unknown[1:]) + 1
     if not len(useful):

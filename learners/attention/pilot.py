@@ -68,7 +68,7 @@ class AttentionPilot(GoalPilot):
         mates = remembered(view, self.briefing)
         goals = (told_goal(mate) for mate in mates)
         known = tuple(goal for goal in goals if goal is not None)
-        return Surroundings(float(self.briefing.lidar_range), tuple(mate.cell for mate in mates), known)
+        return Surroundings(float(self.briefing.lidar_range), view.visited, tuple(mate.cell for mate in mates), known)
 
     def observe(self, view: View) -> Graph:
         """Return the graph of the known map."""

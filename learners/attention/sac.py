@@ -86,10 +86,11 @@ class Sac:
         self.targets = copy.deepcopy(self.critics).requires_grad_(False)
         self.temperature = nn.ParameterDict({"log": nn.Parameter(torch.tensor(FIRST_TEMPERATURE))})
         networks = [*self.policy.parameters(), *self.critics.parameters()]
-        self.optimiser = torch.optim.Adam(
-            [{"params": networks}, {"params": self.temperature.parameters(), "lr": settings.temperature_rate}],
-            lr=settings.rate,
-        )
+        groups: list[dict[str, Any]] = [
+            {"params": networks, "lr": settings.rate},
+            {"params": self.temperature.parameters(), "lr": settings.temperature_rate},
+        ]
+        self.optimiser = torch.optim.Adam(groups)
 
     @property
     def networks(self) -> dict[str, nn.Module]:
