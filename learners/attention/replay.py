@@ -50,7 +50,8 @@ class Replay:
         if "replay/chosen" not in tensors:
             return
         parts = [np.split(tensors[f"replay/{name}"], tensors[f"replay/{name}.ends"][:-1]) for name in _GRAPHS]
-        others = [list(tensors[f"replay/{name}"]) for name in _OTHERS]
+        stored = [tensors[f"replay/{name}"] for name in _OTHERS]
+        others = [list(each) if each.ndim > 1 else each.tolist() for each in stored]  # plain numbers, as recorded
         rows = zip(*parts, *others, strict=True)
         named = (dict(zip((*_GRAPHS, *_OTHERS), row, strict=True)) for row in rows)
         self.choices = [Choice(**fields) for fields in named]

@@ -84,7 +84,7 @@ class Sac:
         self.policy = PolicyNet(FEATURES, network)
         self.critics = nn.ModuleList(CriticNet(inputs, network) for _ in range(2))
         self.targets = copy.deepcopy(self.critics).requires_grad_(False)
-        self.temperature = nn.ParameterDict({"log": nn.Parameter(torch.tensor(FIRST_TEMPERATURE))})
+        self.temperature = nn.ParameterDict({"log": nn.Parameter(torch.tensor([FIRST_TEMPERATURE]))})
         networks = [*self.policy.parameters(), *self.critics.parameters()]
         groups: list[dict[str, Any]] = [
             {"params": networks, "lr": settings.rate},
@@ -115,7 +115,7 @@ class Sac:
         policy_loss = -soft_values(log_p, worth, alpha).mean()
         entropy = -(log_p.detach().exp() * log_p.detach()).sum(dim=1)
         wanted = settings.entropy * seen.legal.sum(dim=1).clamp(min=1).log()
-        temperature_loss = self.temperature["log"] * (entropy - wanted).mean()
+        temperature_loss = self.temperature["log"].sum() * (entropy - wanted).mean()
         self.optimiser.zero_grad()
         (errors[0] + errors[1] + policy_loss + temperature_loss).backward()
         for network in (self.policy, *self.critics):

@@ -39,7 +39,7 @@ class TrainingConfig(MapSettings):
     sac: SacSettings = SacSettings()
     evaluation_episodes: int = Field(16, ge=1)
     """Flights of one evaluation."""
-    evaluation_every: int = Field(250, ge=1)
+    evaluation_every: int = Field(100, ge=1)
     """Episodes between two evaluations."""
     checkpoint_every: int = Field(50, ge=1)
     """Episodes between two checkpoints."""
