@@ -1,4 +1,4 @@
-"""The graph of viewpoints in the known free space around one UAV (ARiADNE 2023, section III.B and IV.A).
+"""The graph of viewpoints in the known free space around one UAV (the informative graph of ARiADNE 2023).
 
 The papers spread nodes evenly on a lattice and join nodes by collision-free straight lines. In our maps, doors are one
 cell wide, so a lattice would miss them. Here the map is cut into square blocks, and each connected part of a block's
@@ -6,11 +6,11 @@ free cells has one node: its cell nearest to the centre of the block. The UAV's 
 node 0. Edges lead to the nodes with the shortest paths through free cells. So the graph is connected where the free
 space is, and every edge can be flown.
 
-Features of a node, as in the papers: position relative to the UAV; utility, the number of frontier cells in view;
-guidepost, whether it lies on a shortest path to the nearest useful node (RA-L 2024, section IV.A). A node is useful if
-unknown cells are in view and the UAV has not been there; frontier cells may stay in view after a scan. Beyond the
-papers: unknown cells in view, steps from the UAV, and for teams the closeness of teammates and of their goals. Lengths
-are in lidar ranges, so that one network fits every lidar.
+Features of a node, as in the papers: position relative to the UAV; utility, the number of frontier cells in view; and a
+guidepost. The released code of both papers marks visited nodes by the guidepost, and takes their utility away; here it
+marks the nodes near a shortest path to the nearest useful one. A node is useful if unknown cells are in view and the UAV
+has not been there. Beyond the papers: unknown cells in view, steps from the UAV, and for teams the closeness of teammates
+and of their goals. Lengths are in lidar ranges, so that one network fits every lidar.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from indoor_explorers.learners.sessions.settings import Settings
 FEATURES, TRUE_FEATURES = 11, 13
 #: Columns of the features that are used elsewhere.
 UTILITY, USEFUL, GUIDEPOST = 2, 3, 4
-#: Range within which frontier cells count for the utility, in lidar ranges (RA-L 2024, section V.A).
+#: Range within which frontier cells count for the utility, in lidar ranges; the released code has 70 of 80 pixels.
 UTILITY_RANGE = 0.8
 #: What the cells of an area are: no place for a node, known and free, free and not known yet.
 _SHUT, _KNOWN, _HIDDEN = 0, 1, 2
@@ -74,7 +74,7 @@ class Surroundings(NamedTuple):
     """(H, W) bool, cells that the UAV has been in."""
     mates: tuple[Cell, ...] = ()
     """Last known cells of the teammates to consider."""
-    goals: tuple[Cell, ...] = ()
+    goals: tuple[tuple[float, float], ...] = ()
     """Their goals, as far as they are known."""
 
 
@@ -186,7 +186,7 @@ def known_graph(belief: Belief, cell: Cell, steps: Distances, around: Surroundin
 def true_graph(
     belief: Belief, truth: Belief, cell: Cell, steps: Distances, around: Surroundings, settings: GraphSettings
 ) -> Graph:
-    """Return the graph of the true map, for the privileged critic (RA-L 2024, section IV.C).
+    """Return the graph of the true map, for the privileged critic (the ground truth graph of RA-L 2024).
 
     Its first nodes are those of :func:`known_graph`; then come those in free cells that the UAV cannot reach or does
     not know yet. Two more features tell these nodes, and how many unknown free cells are truly in view of each node.

@@ -1,4 +1,4 @@
-"""The pilot that flies from node to node of the graph (ARiADNE 2023, section III.C)."""
+"""The pilot that flies from node to node of the graph (ARiADNE 2023: exploration as a sequence of decisions)."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.learners.attention.graph import USEFUL, Graph, Surroundings, known_graph
 from indoor_explorers.learners.attention.network import Loaded, scores
 from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
-from indoor_explorers.planners.toolbox.navigation.teammates import message_of, remembered, told_goal
+from indoor_explorers.planners.toolbox.navigation.teammates import claims, message_of, remembered
 
 #: Lidar ranges of flight without growth of the map after which the guard acts.
 PATIENCE = 6.0
@@ -65,10 +65,9 @@ class AttentionPilot(GoalPilot):
 
     def surroundings(self, view: View) -> Surroundings:
         """Return what the graph tells of teammates."""
-        mates = remembered(view, self.briefing)
-        goals = (told_goal(mate) for mate in mates)
-        known = tuple(goal for goal in goals if goal is not None)
-        return Surroundings(float(self.briefing.lidar_range), view.visited, tuple(mate.cell for mate in mates), known)
+        mates = tuple(mate.cell for mate in remembered(view, self.briefing))
+        goals = tuple((row, col) for row, col in claims(view, self.briefing).tolist())
+        return Surroundings(float(self.briefing.lidar_range), view.visited, mates, goals)
 
     def observe(self, view: View) -> Graph:
         """Return the graph of the known map."""

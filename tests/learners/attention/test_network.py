@@ -34,7 +34,7 @@ def loaded(policy: PolicyNet) -> Loaded:
 
 def log_p(policy: PolicyNet, *graphs: Graph) -> np.ndarray:
     args = zip(*((g.features, g.neighbours, g.neighbours[0]) for g in graphs), strict=True)
-    return np.asarray(policy(batch_of(*args)).detach())  # type: ignore[arg-type]
+    return np.asarray(policy(batch_of(*args)).detach())
 
 
 def test_it_flies_what_torch_trains(policy: PolicyNet) -> None:

@@ -79,4 +79,4 @@ def test_the_replay_drops_the_oldest_and_draws_no_choice_with_an_unknown_end() -
     other = Replay(5)
     other.restore(replay.tensors())
     for one, two in zip(replay.choices, other.choices, strict=True):
-        assert all(np.array_equal(a, b) for a, b in zip(one, two, strict=True))
+        assert all(np.array_equal(getattr(one, name), getattr(two, name)) for name in Choice._fields)
