@@ -4,7 +4,6 @@ Y. Cao, T. Hou, Y. Wang, X. Yi, G. Sartoretti, "ARiADNE: A Reinforcement learnin
 Networks for Exploration", ICRA 2023 (arXiv:2301.11575); with the privileged critic of Y. Cao, R. Zhao, Y. Wang, B.
 Xiang, G. Sartoretti, "Deep Reinforcement Learning-based Large-scale Robot Exploration", RA-L 2024 (arXiv:2403.10833).
 
-To fly: ``policy`` and its ``pilot`` choose among the neighbours of the UAV's node in a ``graph`` with ``network``,
-without torch. To train: ``train`` is the entry point, ``training`` alternates ``flights`` and updates of ``sac`` on the
-``replay``, with the torch networks of ``model``.
+To fly: ``policy`` chooses among the neighbours of the UAV's node in a ``graph`` with ``network``, without torch. To
+train: ``train`` is the entry point and alternates ``flights`` and updates of ``sac``, with the networks of ``model``.
 """

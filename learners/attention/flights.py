@@ -20,7 +20,7 @@ from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rol
 from indoor_explorers.env.simulation.world import World
 from indoor_explorers.learners.attention.graph import TRUE_FEATURES, Graph, GraphSettings, true_graph
 from indoor_explorers.learners.attention.network import Loaded, scores
-from indoor_explorers.learners.attention.pilot import AttentionPilot, probabilities
+from indoor_explorers.learners.attention.policy import AttentionPilot, probabilities
 from indoor_explorers.learners.pockets.maps import TrainingMaps
 
 #: Lidar ranges in cells and numbers of UAVs, each with their shares of the flights; radios of teams, in equal shares.

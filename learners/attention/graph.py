@@ -8,9 +8,9 @@ space is, and every edge can be flown.
 
 Features of a node, as in the papers: position relative to the UAV; utility, the number of frontier cells in view; and a
 guidepost. The released code of both papers marks visited nodes by the guidepost, and takes their utility away; here it
-marks the nodes near a shortest path to the nearest useful one. A node is useful if unknown cells are in view and the UAV
-has not been there. Beyond the papers: unknown cells in view, steps from the UAV, and for teams the closeness of teammates
-and of their goals. Lengths are in lidar ranges, so that one network fits every lidar.
+marks the nodes near a shortest path to the nearest useful one. A node is useful if unknown cells are in view and the
+UAV has not been there. Beyond the papers: unknown cells in view, steps from the UAV, and for teams the closeness of
+teammates and of their goals. Lengths are in lidar ranges, so that one network fits every lidar.
 """
 
 from __future__ import annotations

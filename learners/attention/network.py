@@ -1,8 +1,8 @@
 """The policy network in numpy, and its weights file: flying it needs no torch.
 
 An encoder of masked self-attention over the edges of the graph, a decoder in which the UAV's node attends to all nodes,
-and a pointer that scores the neighbours of the UAV's node (the policy network of ARiADNE 2023). :mod:`.model` has the same
-network in torch. Matrix products are numpy's, so outputs may differ between machines in the last digits.
+and a pointer that scores the neighbours of the UAV's node (the policy network of ARiADNE 2023). :mod:`.model` has the
+same network in torch. Matrix products are numpy's, so outputs may differ between machines in the last digits.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """Discrete soft actor-critic with two critics, target networks and automatic temperature.
 
 P. Christodoulou, "Soft Actor-Critic for Discrete Action Settings", 2019 (arXiv:1910.07207), as ARiADNE trains its
-policy. Time between choices varies, so the discount of a choice is that of its duration. With a
-privileged critic the critics see the graph of the true map, and the policy that of the known one (RA-L 2024; L. Pinto et
-al. 2018, "Asymmetric Actor Critic", arXiv:1710.06542).
+policy. Time between choices varies, so the discount of a choice is that of its duration. With a privileged critic the
+critics see the graph of the true map, and the policy that of the known one (RA-L 2024; L. Pinto et al. 2018,
+"Asymmetric Actor Critic", arXiv:1710.06542).
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ from indoor_explorers.env import InputError
 from indoor_explorers.learners.attention.graph import FEATURES, Graph, GraphSettings
 from indoor_explorers.learners.attention.model import CriticNet, PolicyNet, batch_of, weights_of
 from indoor_explorers.learners.attention.network import Loaded, NetworkSettings, load_weights, scores, write_weights
-from indoor_explorers.learners.attention.pilot import probabilities
+from indoor_explorers.learners.attention.policy import probabilities
 
 SMALL = NetworkSettings(units=16, heads=2, layers=2)
 

@@ -7,8 +7,8 @@ import torch
 from indoor_explorers.learners.attention.flights import Choice
 from indoor_explorers.learners.attention.graph import FEATURES, TRUE_FEATURES
 from indoor_explorers.learners.attention.network import NetworkSettings
-from indoor_explorers.learners.attention.replay import Replay
 from indoor_explorers.learners.attention.sac import Sac, SacSettings, soft_values, targets
+from indoor_explorers.learners.attention.train import Replay
 from tests.learners.attention.test_network import random_graph
 
 SMALL = NetworkSettings(units=16, heads=2, layers=1)

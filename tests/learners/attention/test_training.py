@@ -15,8 +15,7 @@ from indoor_explorers.learners.attention.flights import drawn_task, fly
 from indoor_explorers.learners.attention.graph import FEATURES, TRUE_FEATURES, GraphSettings
 from indoor_explorers.learners.attention.model import PolicyNet, weights_of
 from indoor_explorers.learners.attention.network import Loaded, NetworkSettings, write_weights
-from indoor_explorers.learners.attention.pilot import AttentionPilot
-from indoor_explorers.learners.attention.policy import AttentionSac, opened
+from indoor_explorers.learners.attention.policy import AttentionPilot, AttentionSac, opened
 from indoor_explorers.learners.attention.train import TrainingConfig, train
 from indoor_explorers.learners.pockets.maps import TrainingMaps
 from indoor_explorers.learners.sessions.session import Progress
