@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from indoor_explorers.learners.attention.graph import FEATURES, Graph, GraphSettings
 from indoor_explorers.learners.sessions.settings import Settings
@@ -35,6 +35,12 @@ class NetworkSettings(Settings):
     """Attention heads."""
     layers: int = Field(3, ge=1, le=12)
     """Layers of the encoder."""
+
+    @model_validator(mode="after")
+    def _divisible(self) -> NetworkSettings:
+        if self.units % self.heads:
+            raise ValueError(f"units is {self.units}, no multiple of heads, {self.heads}; change one of them")
+        return self
 
 
 class Loaded(NamedTuple):

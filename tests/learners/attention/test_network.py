@@ -82,6 +82,11 @@ def test_attention_follows_edges_alone(policy: PolicyNet) -> None:
     assert torch.equal(encoded[0], encoded[2])
 
 
+def test_heads_divide_the_units() -> None:
+    with pytest.raises(ValueError, match="units is 30, no multiple of heads, 4; change one of them"):
+        NetworkSettings(units=30)
+
+
 def test_weights_files_hold_their_settings(policy: PolicyNet, tmp_path: Path) -> None:
     path = tmp_path / "weights.safetensors"
     write_weights(path, loaded(policy))
