@@ -59,6 +59,7 @@ DOCUMENTS = {
     "learners/BASELINES.md": "methods/baselines.md",
     "learners/MODEL_CARDS.md": "reference/model-cards.md",
     "learners/THESIS.md": "methods/thesis.md",
+    "learners/attention/ATTENTION.md": "methods/attention.md",
     "learners/places/PLACES.md": "methods/places.md",
     "learners/pockets/POCKETS.md": "methods/pockets.md",
     "env/maps/FLOORS.md": "methods/floors.md",

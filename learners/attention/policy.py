@@ -1,0 +1,154 @@
+"""The policy ``attention-sac``, and its pilot, which flies from node to node of the graph of viewpoints."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.files import expanded
+from indoor_explorers.env.grid.arrays import Cell, Mask
+from indoor_explorers.env.policies.policy import TRAINED_GOAL, Policy
+from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.env.provenance import recorded_maps
+from indoor_explorers.learners.attention.graph import USEFUL, Graph, Surroundings, known_graph
+from indoor_explorers.learners.attention.network import Loaded, load_weights, scores
+from indoor_explorers.learners.sessions.record import record_of
+from indoor_explorers.learners.sessions.seeds import recorded_seeds
+from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
+from indoor_explorers.planners.toolbox.navigation.teammates import claims, message_of, remembered
+from indoor_explorers.planners.toolbox.networks.tensors import WEIGHTS
+
+#: Lidar ranges of flight without growth of the map after which the guard acts.
+PATIENCE = 6.0
+
+
+class AttentionPilot(GoalPilot):
+    """Choose among the neighbours of the UAV's node, fly to the chosen one, and choose again there.
+
+    Where no node has a frontier cell in view, and where the guard acts, it flies to the nearest frontier cell.
+
+    Args:
+        briefing: Briefing of the UAV.
+        loaded: The network.
+        guard: Whether to fly to the nearest frontier after a long flight without new cells.
+
+    """
+
+    straight = True
+
+    def __init__(self, briefing: Briefing, loaded: Loaded, *, guard: bool) -> None:
+        super().__init__(briefing)
+        self._loaded, self._guard = loaded, guard
+        self._to_frontier, self._last_growth, self._guarded = False, 0, 0
+
+    def act(self, view: View) -> int:
+        """Follow the path to the chosen node, and tell the teammates which."""
+        action = super().act(view)
+        self.message = message_of(self.goal)
+        return action
+
+    def on_map_growth(self, view: View) -> None:
+        """Store the step, for the guard."""
+        self._last_growth = view.step
+
+    def is_spent(self, view: View, goal: Cell) -> bool:
+        """Tell whether the goal is reached; a frontier cell is also spent when it is none any more."""
+        return view.cell == goal or (self._to_frontier and super().is_spent(view, goal))
+
+    def choose(self, view: View) -> Cell | None:
+        """Return the chosen node."""
+        self._to_frontier = self._guard and view.step - self._last_growth > self.steps_in(PATIENCE)
+        self._guarded += self._to_frontier
+        if not self._to_frontier:
+            graph = self.observe(view)
+            options = graph.neighbours[0]
+            allowed = (options >= 0) & ~self.near_banned(view, graph.cells[options])
+            if allowed.any() and graph.features[:, USEFUL].any():
+                chosen = graph.neighbours[0][self.pick(view, graph, allowed)]
+                return divmod(int(graph.cells[chosen]), self.paths.width)
+            self._to_frontier = True
+        return self.nearest_frontier(view)
+
+    def surroundings(self, view: View) -> Surroundings:
+        """Return what the graph tells of teammates."""
+        mates = tuple(mate.cell for mate in remembered(view, self.briefing))
+        goals = tuple((row, col) for row, col in claims(view, self.briefing).tolist())
+        return Surroundings(float(self.briefing.lidar_range), view.visited, mates, goals)
+
+    def observe(self, view: View) -> Graph:
+        """Return the graph of the known map."""
+        steps = self.steps_from(view, view.cell)
+        return known_graph(view.belief, view.cell, steps, self.surroundings(view), self._loaded.graph)
+
+    def pick(self, view: View, graph: Graph, allowed: Mask) -> int:
+        """Return which neighbour of node 0 has the highest score, among those ``allowed`` (K,)."""
+        return int(np.where(allowed, scores(graph, self._loaded), -np.inf).argmax())
+
+    def tally(self) -> dict[str, float]:
+        """Return the tally of every such pilot, and the number of goals chosen by the guard."""
+        return super().tally() | {"guarded_choices": float(self._guarded)}
+
+
+def probabilities(found: NDArray[np.float32], allowed: Mask) -> NDArray[np.float64]:
+    """Return the probabilities (K,) of a stochastic policy with scores (K,), among those ``allowed`` (K,)."""
+    shares = np.exp(np.where(allowed, found, -np.inf).astype(np.float64) - found[allowed].max())
+    return np.asarray(shares / shares.sum())
+
+
+@dataclass(frozen=True, kw_only=True)
+class AttentionSac(Policy):
+    """Fly from node to node of a graph of viewpoints, as a graph attention network chooses.
+
+    ARiADNE: Cao et al., ICRA 2023, arXiv:2301.11575; trained by discrete soft actor-critic (Christodoulou 2019,
+    arXiv:1910.07207) with a privileged critic (Cao et al., RA-L 2024, arXiv:2403.10833). One and more UAVs, each by its
+    own map, with the same weights. Only the draws among equally near frontier cells and of deadlocks are random.
+
+    Raises:
+        InputError: ``weights`` is missing or not a file of this network.
+
+    """
+
+    plans_for: ClassVar[str] = TRAINED_GOAL
+
+    weights: str
+    """Path of a training's folder or weights."""
+    guard: bool = True
+    """Fly to the nearest frontier after a flight of six lidar ranges without new cells."""
+
+    def __post_init__(self) -> None:
+        if not self.weights:
+            raise InputError("expected the folder of a training, as in attention:DIR, got none")
+        load_weights(self.path)
+
+    @property
+    def path(self) -> Path:
+        """The path of the weights."""
+        given = expanded(self.weights)
+        return given / WEIGHTS if given.is_dir() else given
+
+    def pilot(self, briefing: Briefing) -> AttentionPilot:
+        """Make the pilot of one UAV for one episode."""
+        return AttentionPilot(briefing, load_weights(self.path), guard=self.guard)
+
+    def provenance(self) -> dict[str, str]:
+        """Return the hash of the weights."""
+        return {"weights_sha256": hashlib.sha256(self.path.read_bytes()).hexdigest()}
+
+    def seen_seeds(self) -> dict[str, list[range]]:
+        """Return the seeds of the training."""
+        return recorded_seeds(record_of(self.path))
+
+    def seen_maps(self) -> dict[str, list[str]]:
+        """Return the map files of the training."""
+        return recorded_maps(record_of(self.path))
+
+
+def opened(path: str, **parameters: Any) -> AttentionSac:
+    """Return the policy of a trained network, ``attention:DIR``."""
+    return AttentionSac(weights=path, **parameters)

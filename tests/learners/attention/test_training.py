@@ -1,0 +1,119 @@
+from __future__ import annotations
+
+import json
+import os
+import signal
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from indoor_explorers.env import InputError, World, check_policy, scenario
+from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
+from indoor_explorers.learners.attention.flights import drawn_task, fly
+from indoor_explorers.learners.attention.graph import FEATURES, TRUE_FEATURES, GraphSettings
+from indoor_explorers.learners.attention.model import PolicyNet, weights_of
+from indoor_explorers.learners.attention.network import Loaded, NetworkSettings, write_weights
+from indoor_explorers.learners.attention.policy import AttentionSac, opened
+from indoor_explorers.learners.attention.train import TrainingConfig, train
+from indoor_explorers.learners.pockets.maps import TrainingMaps
+from indoor_explorers.learners.sessions.session import Progress
+
+SMALL = NetworkSettings(units=16, heads=2, layers=1)
+TINY = TrainingConfig(
+    episodes=4,
+    first_update=20,
+    choices_per_update=20,
+    replay=300,
+    network=SMALL,
+    evaluation_episodes=1,
+    evaluation_every=2,
+    checkpoint_every=2,
+)
+
+
+@pytest.fixture(name="weights", scope="module")
+def _weights(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("attention") / "weights.safetensors"
+    write_weights(path, Loaded(weights_of(PolicyNet(FEATURES, SMALL)), SMALL, GraphSettings()))
+    return path
+
+
+def loaded() -> Loaded:
+    return Loaded(weights_of(PolicyNet(FEATURES, SMALL)), SMALL, GraphSettings())
+
+
+def small_rooms(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("indoor_explorers.learners.attention.flights.ROOMS", 1.0)
+
+
+def test_choices_of_a_flight_follow_each_other(monkeypatch: pytest.MonkeyPatch) -> None:
+    small_rooms(monkeypatch)
+    world = drawn_task(TrainingMaps(), 5, GraphSettings())
+    flown = fly(world, loaded(), np.random.default_rng(0), privileged=True)
+    assert flown.steps == world.state.step[0] <= world.state.budget[0]
+    ends = [each.follows for each in flown.choices if each.follows != 1]
+    assert len(ends) == world.scenario.team
+    assert flown.choices[-1].follows != 1
+    for each in flown.choices:
+        assert each.actions[each.chosen] >= 0
+        assert each.duration >= 0.0
+        assert each.true_features.shape == (len(each.true_neighbours), TRUE_FEATURES)
+        np.testing.assert_array_equal(each.true_features[: len(each.features), :FEATURES], each.features)
+    total = sum(each.gain for each in flown.choices) * world.scenario.lidar.range**2
+    assert total <= world.scenario.team * world.state.truth[0].size
+
+
+def test_tasks_are_drawn_by_their_seed_alone() -> None:
+    first, again, other = (drawn_task(TrainingMaps(), seed, GraphSettings()) for seed in (7, 7, 8))
+    assert first.scenario == again.scenario
+    assert np.array_equal(first.state.truth, again.state.truth)
+    assert first.state.truth.shape != other.state.truth.shape or (first.state.truth != other.state.truth).any()
+
+
+def test_an_interrupted_training_equals_a_whole_one_bit_for_bit(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    small_rooms(monkeypatch)
+    train(TINY, None, tmp_path / "whole", seed=2)
+    interrupted: list[int | None] = []
+
+    def interrupt(progress: Progress) -> None:
+        if progress.episodes in (1, 3) and progress.episodes not in interrupted:
+            interrupted.append(progress.episodes)
+            os.kill(os.getpid(), signal.SIGINT)
+
+    monkeypatch.setattr("indoor_explorers.learners.sessions.session.REPORT_EVERY", 0.0)
+    for _ in range(2):
+        with pytest.raises(KeyboardInterrupt):
+            train(TINY, None, tmp_path / "cut", seed=2, resume=True, report=interrupt)
+    weights = train(TINY, None, tmp_path / "cut", seed=2, resume=True, report=interrupt)
+    for name in ("weights.safetensors", "checkpoint.safetensors"):
+        assert (tmp_path / "whole" / name).read_bytes() == (tmp_path / "cut" / name).read_bytes()
+    whole, cut = (json.loads((tmp_path / folder / "training.json").read_text()) for folder in ("whole", "cut"))
+    assert whole["evaluations"] == cut["evaluations"]
+    assert [each["episodes"] for each in cut["evaluations"]] == [2, 4]
+    assert cut["updates"] > 0
+    policy = opened(str(weights.parent))
+    assert policy.path == weights
+    assert set(policy.seen_seeds()) >= {"training", "validation"}
+    with pytest.raises(InputError, match="holds a training with seed 2"):
+        train(TINY, None, tmp_path / "cut", seed=3, resume=True)
+
+
+def test_an_untrained_network_explores_all_with_the_guard(weights: Path) -> None:
+    world = World(scenario("small-floors").with_settings({"team": 2, "goal": 1.0, "budget": 4000}))
+    world.reset([3])
+    policy = AttentionSac(weights=str(weights))
+    pilots = make_pilots(policy, world)
+    for _ in rollout(world, ask_pilots(policy, pilots, world)):
+        pass
+    assert world.team_coverage[0] == 1.0
+    assert pilots[0, 0].tally()["guarded_choices"] > 0
+    assert pilots[0, 1].message is not None
+
+
+def test_it_passes_the_conformance_suite(weights: Path, tmp_path: Path) -> None:
+    check_policy(AttentionSac(weights=str(weights)))
+    with pytest.raises(InputError, match="expected a safetensors file, found none"):
+        opened(str(tmp_path / "no"))
