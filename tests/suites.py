@@ -40,10 +40,10 @@ def repository(name: str, inside: str, maps: list[tuple[str, str, str]], clones:
     rows = []
     for stem, part, building in maps:
         file = clones / name / inside / f"{stem}.npy"
-        sha, digest = hashlib.sha256(file.read_bytes()).hexdigest(), read_map(file, 1.0).digest
+        sha, plan = hashlib.sha256(file.read_bytes()).hexdigest(), read_map(file, 1.0)
         rows.append(
-            f'{{ part = "{part}", building = "{building}", cells = 9, digest = "{digest}", '
-            f'files = {{ "{stem}.npy" = "{sha}" }} }}'
+            f'{{ part = "{part}", building = "{building}", cells = 9, digest = "{plan.digest}", '
+            f'layout = "{plan.layout}", files = {{ "{stem}.npy" = "{sha}" }} }}'
         )
     return (
         f'[[repositories]]\nurl = "https://example.org/us/{name}"\ncommit = "{name[0] * 40}"\nlicence = "MIT"\n'

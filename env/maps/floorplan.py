@@ -12,6 +12,7 @@ import numpy as np
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Belief, Cell, Mask
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED
+from indoor_explorers.env.maps.layouts import layout_digest
 from indoor_explorers.env.search.connected_parts import largest_part
 
 #: The most cells a map may have (2048 x 2048).
@@ -71,6 +72,11 @@ class Floorplan:
         """A short hash of shape, cells and start, if any: equal maps from different files have equal digests."""
         mark = b"" if self.start is None else repr(self.start).encode()
         return hashlib.sha256(repr(self.shape).encode() + self.truth.tobytes() + mark).hexdigest()[:16]
+
+    @cached_property
+    def layout(self) -> str:
+        """A short hash of the free cells, the same for turned, mirrored, cropped and rescaled maps."""
+        return layout_digest(self.truth == FREE)
 
     @cached_property
     def main_part(self) -> Mask:

@@ -116,8 +116,8 @@ class Policy(ABC):
     def seen_maps(self) -> Mapping[str, Sequence[str]]:
         """Return the map files that the policy was trained, validated or tuned on, by use, such as "training".
 
-        Maps are identified by their digests, or as a part of a suite, such as "floors/train". Results warn of
-        evaluations on such maps.
+        Each is a digest of a map or of a layout, or the name of a part of a suite, such as "floors/train". Results
+        warn where they rest on such maps; by a digest of a layout, turned, mirrored and rescaled ones are found too.
         """
         return {}
 

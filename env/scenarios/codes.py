@@ -5,7 +5,7 @@ from __future__ import annotations
 from enum import IntEnum
 from typing import Literal, Self, get_args
 
-RadioModelName = Literal["none", "square", "disc", "line-of-sight", "path-loss", "unlimited"]
+RadioModelName = Literal["none", "square", "disc", "line-of-sight", "path-loss", "unlimited", "path-loss-ir2"]
 StuckRuleName = Literal["off", "no-discovery", "oscillation"]
 
 
@@ -34,6 +34,7 @@ class RadioModel(_Code):
     UNLIMITED = 5
     CUSTOM = 6
     """A plug-in, see :mod:`indoor_explorers.env.simulation.custom_models`."""
+    PATH_LOSS_IR2 = 7
 
 
 class StuckRule(_Code):

@@ -61,9 +61,11 @@ class Radio(_Sensor):
     model: str = "none"
     """``none``; ``square``: Chebyshev distance at most ``range`` (the thesis); ``disc``: Euclidean; ``line-of-sight``:
     the same with no obstacle between; ``path-loss``: log-distance path loss with a loss for each wall between;
-    ``unlimited``; or a plug-in, ``module:function``."""
+    ``path-loss-ir2``: that of the IR2 simulator (:mod:`indoor_explorers.env.simulation.path_loss`); ``unlimited``; or a
+    plug-in, ``module:function``."""
     range: float = Field(0.0, ge=0.0)
-    """Range in cells, in the open; not read by ``none`` and ``unlimited``."""
+    """Range in cells, in the open; not read by ``none`` and ``unlimited``. ``path-loss-ir2``: the distance from which
+    on the open costs signal, 35 pixels in IR2; contact holds to two to nine times as far, drawn for each episode."""
     exponent: float = Field(3.0, ge=1.0, le=10.0)
     """``path-loss``: the path loss exponent n, 2 in free space, about 3 indoors (Rappaport 2002, section 4.9)."""
     wall_loss: float = Field(6.0, ge=0.0, le=200.0)

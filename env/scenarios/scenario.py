@@ -59,8 +59,9 @@ class Scenario(SettingsGroup):
     """Effect of a move into an obstacle or off the map: it ends the agent (the thesis) or costs the step."""
     goal: float = Field(0.9, gt=0.0, le=1.0)
     """Coverage that ends the episode, as a share of the denominator."""
-    goal_of: Literal["agent", "team"] = "agent"
-    """Coverage of each agent's own map (the thesis), or of the team's union; a team goal rewards every agent."""
+    goal_of: Literal["agent", "team", "every"] = "agent"
+    """Whose coverage: ``agent``: each agent's own map, which ends that agent (the thesis); ``team``: the team's union;
+    ``every``: the own maps of all that fly, until the last of them has it. The last two reward every agent."""
     denominator: Literal["reachable", "map"] = "reachable"
     """Coverage counts free cells reachable from the spawns, or all cells of the map (the thesis)."""
     budget: int | None = Field(None, ge=1, le=10_000_000)

@@ -11,7 +11,7 @@ import numpy as np
 from indoor_explorers.env.grid.cells import UNKNOWN
 from indoor_explorers.env.grid.compiled import inner
 from indoor_explorers.env.scenarios.codes import RadioModel
-from indoor_explorers.env.simulation.radio import CELL_BYTES, in_reach, is_lost, join, learn
+from indoor_explorers.env.simulation.radio import CELL_BYTES, in_contact, is_lost, join, learn
 from indoor_explorers.env.simulation.state import End, Rules, State
 
 FLYING, CUSTOM = int(End.FLYING), int(RadioModel.CUSTOM)
@@ -42,7 +42,7 @@ def _reaches(rules: Rules, state: State, b: int, agent: int) -> bool:
         return True
     if rules.radio_model == CUSTOM or state.step[b] < state.silent_until[b, agent]:
         return False
-    return in_reach(rules, state.truth[b], row, col, base_row, base_col) and not is_lost(rules, state, b, agent, agent)
+    return in_contact(rules, state, b, row, col, base_row, base_col) and not is_lost(rules, state, b, agent, agent)
 
 
 @inner()

@@ -14,44 +14,18 @@ from math import log10
 
 import numpy as np
 
-from indoor_explorers.env.grid.cells import OCCUPIED, UNKNOWN
-from indoor_explorers.env.grid.compiled import inner, leaf
+from indoor_explorers.env.grid.cells import UNKNOWN
+from indoor_explorers.env.grid.compiled import inner
+from indoor_explorers.env.grid.lines import walls_between
 from indoor_explorers.env.grid.randomness import uniform
 from indoor_explorers.env.scenarios.codes import RadioModel
+from indoor_explorers.env.simulation.path_loss import is_within_path_loss
 from indoor_explorers.env.simulation.state import Rules, State
 
 CELL_BYTES = 5
 POSITION_BYTES = 8
 
-NONE, SQUARE, DISC, LINE_OF_SIGHT, PATH_LOSS, UNLIMITED, CUSTOM = (int(model) for model in RadioModel)
-
-
-@leaf()
-def walls_between(occupancy: np.ndarray, row: int, col: int, to_row: int, to_col: int) -> int:
-    """Count the walls that the segment between the centres of two cells crosses.
-
-    A wall is a run of obstacles (H, W) uint8 along the way. Touching the corner of one is none, passing between
-    two that touch at a corner is one, as for the lidar; and as there, both ends find the same.
-    """
-    down, right = (1 if to_row > row else -1), (1 if to_col > col else -1)
-    height, width = abs(to_row - row), abs(to_col - col)
-    rows = cols = walls = 0
-    inside = occupancy[row, col] == OCCUPIED
-    while rows < height or cols < width:
-        # The next horizontal cell border is crossed at (2 rows + 1) / (2 height) of the way; compare without dividing.
-        horizontal, vertical = (2 * rows + 1) * width, (2 * cols + 1) * height
-        squeezed = False
-        if horizontal == vertical:
-            squeezed = (
-                occupancy[row + down * (rows + 1), col + right * cols] == OCCUPIED
-                and occupancy[row + down * rows, col + right * (cols + 1)] == OCCUPIED
-            )
-        rows += horizontal <= vertical
-        cols += vertical <= horizontal
-        solid = occupancy[row + down * rows, col + right * cols] == OCCUPIED
-        walls += (solid or squeezed) and not inside
-        inside = solid
-    return walls
+NONE, SQUARE, DISC, LINE_OF_SIGHT, PATH_LOSS, UNLIMITED, CUSTOM, PATH_LOSS_IR2 = (int(model) for model in RadioModel)
 
 
 @inner()
@@ -75,6 +49,14 @@ def in_reach(rules: Rules, occupancy: np.ndarray, row: int, col: int, to_row: in
         return walls == 0
     spare = 5.0 * rules.radio_exponent * log10(max(reach * reach, 1e-9) / squared)
     return bool(walls * rules.radio_wall_loss <= spare + 1e-9)
+
+
+@inner()
+def in_contact(rules: Rules, state: State, b: int, row: int, col: int, to_row: int, to_col: int) -> bool:
+    """Tell whether the radios in two cells reach each other in an episode, losses left out."""
+    if rules.radio_model == PATH_LOSS_IR2:
+        return is_within_path_loss(state.truth[b], rules.radio_range, state.fading[b], row, col, to_row, to_col)
+    return in_reach(rules, state.truth[b], row, col, to_row, to_col)
 
 
 @inner()
@@ -104,9 +86,10 @@ def link(rules: Rules, state: State, b: int, component: np.ndarray) -> bool:
                 and (
                     state.linked[b, i, j]
                     if rules.radio_model == CUSTOM
-                    else in_reach(
+                    else in_contact(
                         rules,
-                        state.truth[b],
+                        state,
+                        b,
                         state.cell[b, i, 0],
                         state.cell[b, i, 1],
                         state.cell[b, j, 0],

@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import allocated
 from indoor_explorers.env.grid.cells import MOVES, OCCUPIED
 from indoor_explorers.env.grid.compiled import inner, kernel, leaf
-from indoor_explorers.env.grid.randomness import Stream, below, stream_key
+from indoor_explorers.env.grid.randomness import Stream, below, stream_key, uniform
 from indoor_explorers.env.maps.generators.thesis import Room, draw_room
 from indoor_explorers.env.search.connected_parts import label_part, mark_largest_part
 from indoor_explorers.env.simulation.engine import Engine
 from indoor_explorers.env.simulation.home_base import place_base
+from indoor_explorers.env.simulation.path_loss import MOST_FADING
 from indoor_explorers.env.simulation.state import Rules, State
 from indoor_explorers.env.simulation.step import begin
 
@@ -172,6 +173,8 @@ def start_episodes(
         place_base(rules, state, b)
         state.order_key[b] = stream_key(seeds[k], ORDER, 0)
         state.radio_key[b] = stream_key(seeds[k], RADIO, 0)
+        for which in range(2):
+            state.fading[b, which] = MOST_FADING * uniform(stream_key(seeds[k], RADIO, 1), which)
         state.failure_key[b] = stream_key(seeds[k], FAILURE, 0)
         begin(rules, state, lidar, work, b)
 

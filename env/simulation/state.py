@@ -55,6 +55,8 @@ class Rules(NamedTuple):
     radio_wall_loss: float
     radio_loss: float
     goal_of_team: bool
+    goal_of_every: bool
+    """Whether the goal is that every flying agent's own map has the coverage."""
     stuck_rule: int
     stuck_repeats: int
     reward_step: float
@@ -98,6 +100,7 @@ def rules_of(scenario: Scenario) -> Rules:
         radio_wall_loss=scenario.radio.wall_loss,
         radio_loss=scenario.radio.loss,
         goal_of_team=scenario.goal_of == "team",
+        goal_of_every=scenario.goal_of == "every" and not scenario.base.must_return,
         stuck_rule=StuckRule.named(scenario.stuck.rule),
         stuck_repeats=scenario.stuck.repeats,
         reward_step=scenario.rewards.step,
@@ -146,6 +149,8 @@ class State(NamedTuple):
     """Key of the stream that draws the order of moves."""
     radio_key: Annotated[NDArray[np.uint64], "B"]
     """Key of the stream that draws which contacts fail."""
+    fading: Annotated[NDArray[np.float64], "B 2"]
+    """K and X of the radio model ``path-loss-ir2``, in dB."""
     failure_key: Annotated[NDArray[np.uint64], "B"]
     """Key of the stream that draws which UAVs and radios fail."""
     step: Annotated[NDArray[np.int64], "B"]

@@ -103,7 +103,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     sys.path.append(str(Path.cwd()))  # so that module:Class finds a file of the current folder, as python -m would
     kept = KEPT
     try:
-        given = vars(build_parser().parse_args(words or ["--help"]))
+        given = vars(build_parser().parse_args(_joined(words) or ["--help"]))
         name = given.pop("command")
         (command,) = [command for command in COMMANDS if command.name == name]
         kept = command.interrupted
@@ -126,6 +126,12 @@ def main(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         sys.stderr.write(f"indoor-explorers: interrupted; {kept}\n")
         return INTERRUPTED
+
+
+def _joined(words: list[str]) -> list[str]:
+    """Return the words typed, with the name of a command of two words as one."""
+    two = " ".join(words[:2])
+    return [two, *words[2:]] if any(command.name == two for command in COMMANDS) else words
 
 
 def _show_warning(

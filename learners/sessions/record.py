@@ -99,9 +99,10 @@ def new_record(
 
 
 def _file_digests(task: Scenario) -> list[str]:
-    """Return the digests of a scenario's map files; none for generated maps."""
+    """Return the digests of a scenario's map files and of their layouts; none for generated maps."""
     maps = task.map
-    return [] if maps.generated else [maps.floorplan(index, 0).digest for index in range(maps.count)]
+    plans = [] if maps.generated else [maps.floorplan(index, 0) for index in range(maps.count)]
+    return [digest for plan in plans for digest in (plan.digest, plan.layout)]
 
 
 def write_record(record: TrainingRecord, folder: Path, results: Mapping[str, Any]) -> None:

@@ -48,7 +48,7 @@ def scenarios(draw, /, most=5, **fixed):
         ),
         "on_collision": draw(st.sampled_from(["end", "block"])),
         "goal": draw(st.sampled_from([0.5, 0.9, 1.0])),
-        "goal_of": draw(st.sampled_from(["agent", "team"])),
+        "goal_of": draw(st.sampled_from(["agent", "team", "every"])),
         "stuck": {"rule": draw(st.sampled_from(["off", "no-discovery", "oscillation"])), "window": 10, "repeats": 5},
         "denominator": draw(st.sampled_from(["reachable", "map"])),
         "budget": draw(st.integers(1, 60)),

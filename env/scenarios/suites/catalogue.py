@@ -48,7 +48,9 @@ def buildings() -> dict[str, str]:
 
 
 def digests_of(name: str) -> list[str]:
-    """Return the digests of the maps of a part, such as ``floors/train``, of all versions; a digest stays as it is.
+    """Return the digests of maps and layouts of a part, such as ``floors/train``; a digest stays as it is.
+
+    All versions of the suite count.
 
     Raises:
         InputError: there is no suite or no part of that name, or its maps are generated from seeds.
@@ -61,4 +63,5 @@ def digests_of(name: str) -> list[str]:
     if part not in list(Part) or suite.map is not None:
         raise InputError(f"expected a part of a suite of map files, such as 'floors/train', got {name!r}")
     mine = (each for each in all_suites() if each.name == title)
-    return list(dict.fromkeys(entry.digest for each in mine for _, entry in each.maps(Part(part))))
+    entries = [entry for each in mine for _, entry in each.maps(Part(part))]
+    return list(dict.fromkeys(digest for entry in entries for digest in (entry.digest, entry.layout)))

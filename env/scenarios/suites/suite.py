@@ -45,6 +45,8 @@ class SuiteMap(_Table):
     """Free cells at the resolution of the suite."""
     digest: str
     """Digest of the map, see :attr:`~indoor_explorers.env.maps.floorplan.Floorplan.digest`."""
+    layout: str
+    """Digest of the layout, see :attr:`~indoor_explorers.env.maps.floorplan.Floorplan.layout`."""
     files: dict[str, str] = Field(min_length=1)
     """SHA-256 by path in the repository's folder; the first file is read as a map, and names the others."""
 
@@ -158,7 +160,7 @@ class Suite(_Table):
         """
         source = maps or self.map or FileMaps(paths=(self.name,), resolution=self.resolution)
         base = on_maps(self.name, source) if self.preset is None else scenario(self.preset)
-        task = base.model_copy(update={"map": source}).with_settings(self.settings).for_evaluation()
+        task = base.model_copy(update={"map": source}).for_evaluation().with_settings(self.settings)
         chosen = [team for team in self.teams if teams is None or team in teams]
         linked = {name: radio for name, radio in self.radios.items() if radios is None or name in radios}
         return [

@@ -16,9 +16,9 @@ import numpy as np
 
 from indoor_explorers.env.grid.cells import FREE, MOVES
 from indoor_explorers.env.grid.compiled import inner, leaf
+from indoor_explorers.env.grid.lines import walls_between
 from indoor_explorers.env.grid.randomness import uniform
 from indoor_explorers.env.sensing.lidar import LidarModel
-from indoor_explorers.env.simulation.radio import walls_between
 from indoor_explorers.env.simulation.slam.maps import redraw
 from indoor_explorers.env.simulation.slam.state import ErrorRules, Slam, SlamParts
 from indoor_explorers.env.simulation.state import End, State

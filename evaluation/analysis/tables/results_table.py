@@ -190,7 +190,7 @@ def _same(cells: Sequence[Cell]) -> bool:
 #: Decimals of the measures that are ratios.
 RATIO_DECIMALS = {"t99_to_bound": 2, "t99_to_reference": 2}
 #: Measures that are only about teams.
-OF_TEAMS = {"auc_worst", "auc_mean", "path_max", "balance", "blocked"}
+OF_TEAMS = {"auc_worst", "t99_worst", "auc_mean", "path_max", "balance", "blocked"}
 #: One measure, and the cell of each policy.
 MeasureRow = tuple[MeasureColumn, list[Cell]]
 

@@ -14,7 +14,7 @@ from indoor_explorers.evaluation.cli.commands.demo import DEMO
 from indoor_explorers.evaluation.cli.commands.export import EXPORT
 from indoor_explorers.evaluation.cli.commands.leaderboard import LEADERBOARD
 from indoor_explorers.evaluation.cli.commands.listings import LEARNERS, POLICIES, SCENARIOS
-from indoor_explorers.evaluation.cli.commands.maps import MAPS
+from indoor_explorers.evaluation.cli.commands.maps import AUDIT, MAPS
 from indoor_explorers.evaluation.cli.commands.playground import PLAYGROUND
 from indoor_explorers.evaluation.cli.commands.report import REPORT
 from indoor_explorers.evaluation.cli.commands.suites import SUITES
@@ -24,5 +24,5 @@ from indoor_explorers.evaluation.cli.commands.watch import WATCH
 #: All commands, in the order of the help.
 COMMANDS: tuple[Command[Any], ...] = (
     *(DEMO, PLAYGROUND, COMPARE, WATCH, REPORT, EXPORT, LEADERBOARD, TRAIN, ABLATE, THESIS),
-    *(POLICIES, SCENARIOS, LEARNERS, SUITES, MAPS, BENCH, CHECK),
+    *(POLICIES, SCENARIOS, LEARNERS, SUITES, MAPS, AUDIT, BENCH, CHECK),
 )

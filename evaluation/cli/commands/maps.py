@@ -1,4 +1,4 @@
-"""``maps``: draw map files, or the maps of a scenario, and print their facts; or compare files with scenarios."""
+"""``maps``: draw maps and print their facts, or compare them with scenarios; ``maps audit``: find maps in a folder."""
 
 from __future__ import annotations
 
@@ -17,13 +17,17 @@ from indoor_explorers.evaluation.harness.experiment.request import (
     Settings,
     read_count,
     read_names,
+    read_share,
 )
 
 if TYPE_CHECKING:
     from indoor_explorers.env.maps.floorplan import Floorplan
+    from indoor_explorers.evaluation.studies.maps.audit import Audit, AuditedMap
 
 #: Maps of each generator in a comparison.
 SAMPLES = 100
+#: Matches that ``maps audit`` lists without ``--out``.
+MOST_LISTED = 10
 
 
 class MapsOptions(Request):
@@ -128,3 +132,70 @@ def _compare(options: MapsOptions) -> int:
 
 
 MAPS = Command("maps", "draw map files, or the maps of a scenario, and print their facts", MapsOptions, show_maps)
+
+
+class AuditOptions(Request):
+    """The options of ``maps audit``."""
+
+    train: Annotated[Path, Option(metavar="TRAIN", positional=True)]
+    """A folder of map files to train on, or one file."""
+    test: Annotated[Path, Option(metavar="TEST", positional=True)]
+    """A folder of map files to test on, or one file."""
+    near: Annotated[float, Option(metavar="SHARE", read=read_share)] = 0.9
+    """Overlap of free cells from which on two maps are near copies."""
+    resolution: Annotated[float | None, RESOLUTION] = None
+    """Metres per cell to resample all maps to before they are compared."""
+    out: Annotated[Path | None, Option(metavar="FILE.csv")] = None
+    """Write all matches, a line each: test map, training map, how they are alike, overlap."""
+
+
+def audit_maps(options: AuditOptions, typed: str) -> int:
+    """Print how many test maps are in a training folder, as they are, turned, rescaled or nearly."""
+    from indoor_explorers.evaluation.studies.maps.audit import audited, write_matches
+
+    console = make_console()
+    audit = audited(
+        _read_folder(options.train, options.resolution),
+        _read_folder(options.test, options.resolution),
+        options.near,
+        options.resolution,
+    )
+    for line in _audit_lines(audit):
+        print_line(console, line)
+    if options.out is not None:
+        write_matches(audit.matches, options.out)
+        print_line(console, f"Matches: {options.out}")
+        return 0
+    for match in audit.matches[:MOST_LISTED]:
+        print_line(console, f"{match.test} in {match.train}: {match.kind}, overlap {match.overlap:.2f}", "dim")
+    if len(audit.matches) > MOST_LISTED:
+        print_line(console, f"and {len(audit.matches) - MOST_LISTED} more; --out FILE.csv writes all", "dim")
+    return 0
+
+
+def _read_folder(place: Path, resolution: float | None) -> list[AuditedMap]:
+    from rich.progress import track
+
+    from indoor_explorers.evaluation.studies.maps.audit import AuditedMap, map_files
+
+    files, console = map_files(place), make_console()
+    shown = track(files, f"Reading {place}", console=console, transient=True, disable=not console.is_terminal)
+    return [AuditedMap.read(path, resolution) for path in shown]
+
+
+def _audit_lines(audit: Audit) -> list[str]:
+    train, test = audit.layouts
+    found = ", ".join(f"{count} {kind}" for kind, count in audit.counts.items())
+    return [
+        f"to train on: {len(audit.train)} maps, {train} different layouts",
+        f"to test on: {len(audit.test)} maps, {test} different layouts",
+        f"test maps that are among those to train on: {len(audit.matches)} ({found})",
+    ]
+
+
+AUDIT = Command(
+    "maps audit",
+    "find the test maps that a training folder has, turned and rescaled ones too",
+    AuditOptions,
+    audit_maps,
+)

@@ -6,6 +6,7 @@ err. T_q is the first step with coverage >= q.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,6 +33,9 @@ MEASURES: dict[str, Measure] = {
         "AUC", "", "area under the coverage curve over the budget, constant after the end, as a share of 1", False
     ),
     "auc_worst": Measure("AUC, worst UAV", "", "the same for the coverage of the UAV that knows least", False),
+    "t99_worst": Measure(
+        "T99, worst UAV", "steps", "first step at which the own map of every UAV has 99 %; if never, the budget"
+    ),
     "auc_mean": Measure("AUC, mean UAV", "", "the same for the mean coverage of a UAV's own map", False),
     **{
         name: Measure(
@@ -65,6 +69,12 @@ MEASURES: dict[str, Measure] = {
     "done_saved": Measure("saved by stopping", "steps", "steps that were flown after it", False),
     "path_length": Measure("path length", "cells", "cells flown by all UAVs together"),
     "path_max": Measure("longest path", "cells", "cells flown by the UAV that flew farthest"),
+    "path_max_m": Measure(
+        "longest path, any angle",
+        "m",
+        "metres flown by the UAV that flew farthest, with straight lines for the staircases of its track wherever no "
+        "obstacle is between; of maps with a scale",
+    ),
     "overlap": Measure("overlap", "", "(sum of cells each lidar saw - cells the team saw) / cells the team saw"),
     "balance": Measure("balance", "", "standard deviation over the UAVs of the share of cells each lidar saw"),
     "collisions": Measure("collisions", "", "moves into an obstacle or off the map"),
@@ -117,6 +127,8 @@ MEASURES: dict[str, Measure] = {
 
 #: The times to what a home base knows, and all measures of episodes with one.
 TIMES_OF_BASE = ("t90_base", "t99_base")
+#: Times that only some episodes have.
+OTHER_TIMES = (*TIMES_OF_BASE, "t99_worst")
 OF_BASE = ("auc_base", *TIMES_OF_BASE, "auc_seen", "unreported")
 #: The measures of wasted steps in a row.
 WASTED = ("longest_idle", "longest_dither")
@@ -131,6 +143,11 @@ def tolerated_steps(metric: str, team: int) -> int:
     fro for more than six steps is never necessary.
     """
     return 6 * team if metric == "longest_idle" else 6
+
+
+def is_time(metrics: Mapping[str, float | None], metric: str) -> bool:
+    """Return whether a metric is a time that an episode's metrics have; where it is None, it was never reached."""
+    return metric in LEVELS or (metric in OTHER_TIMES and metric in metrics)
 
 
 def first_step(curve: NDArray[np.floating], level: float) -> int | None:
@@ -167,6 +184,7 @@ def team_metrics(covered: NDArray[np.integer], team: int, reachable: int, budget
     return {
         **curve_metrics(covered[:, 0] / reachable, budget),
         "auc_worst": area_under_curve(own.min(axis=1) / reachable, budget),
+        "t99_worst": first_step(own.min(axis=1) / reachable, LEVELS["t99"]),
         "auc_mean": area_under_curve(own.mean(axis=1) / reachable, budget),
         **_base_metrics(covered[:, base:] / reachable, budget),
     }

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env import UNKNOWN, Scenario, World
 from indoor_explorers.env.maps.floorplan import Floorplan
+from indoor_explorers.env.search.straight_paths import straightened_length
 from indoor_explorers.env.simulation.state import End
 from indoor_explorers.evaluation.harness.episodes.lower_bounds import least_steps
 from indoor_explorers.evaluation.harness.episodes.metrics import LEVELS, stop_metrics, team_metrics
@@ -63,6 +64,13 @@ class RunningEpisode:
             metrics=self._metrics(world, log, steps),
         )
 
+    def _longest_straightened(self, steps: Steps) -> float | None:
+        """Return the metres that the UAV flew that flew farthest, staircases as straight lines."""
+        if self.floorplan.resolution is None:
+            return None
+        truth, tracks = self.floorplan.truth, np.ascontiguousarray(steps.cells.swapaxes(0, 1).astype(np.int64))
+        return self.floorplan.resolution * max(straightened_length(truth, track) for track in tracks)
+
     def _outcome(self, world: World) -> tuple[Outcome, str]:
         ends = [End(int(end)) for end in world.state.end[self.place]]
         if self.failure:
@@ -84,6 +92,7 @@ class RunningEpisode:
             "t99_to_bound": late / self.bound if self.bound else None,
             "path_length": float(state.path_length[b].sum()),
             "path_max": float(state.path_length[b].max()),
+            "path_max_m": self._longest_straightened(steps),
             "overlap": float((sensed.sum() - covered) / covered) if covered else None,
             "balance": float((sensed / total).std()),
             "collisions": float(state.collisions[b].sum()),

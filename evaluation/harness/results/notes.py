@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import cached_property
 from typing import Any
 
+from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.scenarios.seed_sets import SeedUse, fresh_test_set
 from indoor_explorers.evaluation.harness.episodes.record import Record
 from indoor_explorers.evaluation.harness.episodes.stored_names import MODELS, refusal
@@ -140,7 +141,7 @@ class ResultNotes:
     @property
     def map_notes(self) -> list[str]:
         """Which policies were trained, validated or tuned on some of the maps."""
-        flown = {record.floorplan.digest: record.floorplan.name for record in self.records}
+        flown = {record.floorplan.digest: record.floorplan for record in self.records}
         listed = self._listed(lambda facts: _seen_maps(facts, flown))
         return [f"maps seen before ({listed}): such figures may be optimistic"] if listed else []
 
@@ -166,12 +167,12 @@ def _seen_seeds(facts: Mapping[str, Any], flown: set[int]) -> Iterator[str]:
             yield f"{USED[SeedUse(use)]} on {span}"
 
 
-def _seen_maps(facts: Mapping[str, Any], flown: Mapping[str, str]) -> Iterator[str]:
-    """Say which of the maps flown (names by digest) a policy saw, each for its first use alone."""
-    left = set(flown)
+def _seen_maps(facts: Mapping[str, Any], flown: Mapping[str, Floorplan]) -> Iterator[str]:
+    """Say which of the maps flown (by digest) a policy saw, or their layouts, each for its first use alone."""
+    left = dict(flown)
     for use, digests in facts.get("seen_maps", {}).items():
-        names: Sequence[str] = sorted(flown[digest] for digest in left & set(digests))
-        left -= set(digests)
+        found = [digest for digest, plan in left.items() if digest in digests or plan.layout in digests]
+        names = sorted(left.pop(digest).name for digest in found)
         if names:
             listed = ", ".join(names[:MOST_NAMED]) + (", ..." if len(names) > MOST_NAMED else "")
             yield f"{USED[SeedUse(use)]} on {len(names)} of {len(flown)}, {listed}"

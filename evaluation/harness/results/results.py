@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env import InputError, Scenario
 from indoor_explorers.env.files import written_whole
 from indoor_explorers.env.scenarios.suites.catalogue import buildings
-from indoor_explorers.evaluation.harness.episodes.metrics import LEVELS, MEASURES, TIMES_OF_BASE, Measure, extended
+from indoor_explorers.evaluation.harness.episodes.metrics import LEVELS, MEASURES, Measure, extended, is_time
 from indoor_explorers.evaluation.harness.episodes.record import Outcome, Record, mean_curve
 from indoor_explorers.evaluation.harness.episodes.resimulate import recorded_scenario
 from indoor_explorers.evaluation.harness.episodes.steps import StepFacts
@@ -154,14 +154,9 @@ class Results(ResultNotes):
         """Return (E,) values of a metric; NaN where missing; T_q never reached counts as the budget."""
         if metric == "t99_to_reference":
             return self.to_reference(scenario, policy, "t99")
-        stored = self._stored(scenario, policy, metric)
-        if metric in LEVELS:
-            never = np.isnan(stored)
-        elif metric in TIMES_OF_BASE:
-            never = np.isnan(stored) & ~np.isnan(self._stored(scenario, policy, "auc_base"))
-        else:
-            return stored
-        return np.where(never, [float(record.budget) for record in self.groups[scenario, policy]], stored)
+        stored, records = self._stored(scenario, policy, metric), self.groups[scenario, policy]
+        never = np.isnan(stored) & [is_time(record.metrics, metric) for record in records]
+        return np.where(never, [float(record.budget) for record in records], stored)
 
     def metric_names(self, scenario: str, policy: str) -> list[str]:
         """Return the metrics that any episode of a policy has, measured or not."""

@@ -15,8 +15,8 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from indoor_explorers.env import FREE, scenario
+from indoor_explorers.env.grid.lines import walls_between
 from indoor_explorers.env.maps.floorplan import Floorplan
-from indoor_explorers.env.simulation.radio import walls_between
 from indoor_explorers.evaluation.drawing.formatting import percent
 
 MEASURED = Path(__file__).parent / "radio_ns3.csv"

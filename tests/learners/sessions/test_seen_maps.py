@@ -33,11 +33,12 @@ def written(folder: Path, scenario: Scenario, **settings: object) -> dict[str, l
 
 def test_a_training_on_files_records_their_digests(tiny: Path, tmp_path: Path) -> None:
     scenario = on_files((str(tiny / "floors/a1.npy"), str(tiny / "floors/b.npy")), 1.0)
-    digests = [scenario.map.floorplan(index, 0).digest for index in range(2)]
+    plans = [scenario.map.floorplan(index, 0) for index in range(2)]
+    digests = [digest for plan in plans for digest in (plan.digest, plan.layout)]
     assert written(tmp_path, scenario) == {"training": digests, "validation": digests}
-    office = PRESETS["office"].map.floorplan(0, 0).digest
-    also = written(tmp_path, scenario, also=("office", "thesis-open"))
-    assert also == {"training": [*digests, office], "validation": [*digests, office]}
+    office = PRESETS["office"].map.floorplan(0, 0)
+    also = [*digests, office.digest, office.layout]
+    assert written(tmp_path, scenario, also=("office", "thesis-open")) == {"training": also, "validation": also}
 
 
 def test_a_training_on_generated_maps_records_none(tmp_path: Path) -> None:
@@ -63,6 +64,7 @@ def test_weights_that_ship_saw_no_map_of_a_test_part() -> None:
     seen = [recorded_maps(path) for floor in FLOORS for path in (ROOT / floor).glob("**/weights/*.json")]
     assert len(seen) >= 6
     digests = {digest for each in seen for names in each.values() for name in names for digest in digests_of(name)}
-    tested = {each.digest for suite in all_suites() for _, each in suite.maps(Part.TEST)}
+    test_maps = [each for suite in all_suites() for _, each in suite.maps(Part.TEST)]
+    tested = {digest for each in test_maps for digest in (each.digest, each.layout)}
     assert tested
     assert not digests & tested

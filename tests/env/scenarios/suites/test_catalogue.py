@@ -28,16 +28,20 @@ CLONES = Path(os.environ.get("SUITE_DATA", "no-folder"))
 USES = {Part.TRAIN: SeedUse.TRAINING, Part.VALIDATION: SeedUse.VALIDATION, Part.TEST: SeedUse.TEST}
 #: What each version of each suite holds.
 CONTENTS = {
+    "dare 1": "9bca31f69c5e25f4",
     "dungeons 1": "5a5c4c30a7b389f1",
     "floors 1": "a770d13394c06bed",
     "floors-generated 1": "b867267fe6de98b5",
+    "ir2-complex 1": "a3e599c324e0b056",
+    "ir2-corridor 1": "f751487f1c129efa",
+    "ir2-hybrid 1": "69b6f5d0dc25690e",
     "rooms 1": "b501cb3e625b5e57",
 }
 ALL = pytest.mark.parametrize("suite", all_suites(), ids=lambda suite: suite.title)
 
 
 def test_these_suites_ship():
-    assert list(suites()) == ["dungeons", "floors", "floors-generated", "rooms"]
+    assert [f"{suite.name} {suite.version}" for suite in suites().values()] == list(CONTENTS)
     assert {f"{suite.name}-{suite.version}.toml" for suite in all_suites()} == {
         file.name for file in FOLDER.glob("*.toml")
     }
@@ -67,7 +71,11 @@ def test_parts_share_no_building_no_map_and_no_seed(suite: Suite):
         assert not suite.buildings(one) & suite.buildings(other)
         assert not set(suite.seeds(one)) & set(suite.seeds(other))
     every = [each for home in suite.repositories for each in home.maps]
-    for values in ([each.digest for each in every], [sha for each in every for sha in each.files.values()]):
+    for values in (
+        [each.digest for each in every],
+        [each.layout for each in every],
+        [sha for each in every for sha in each.files.values()],
+    ):
         assert len(values) == len(set(values))
     assert {each.part for each in every} == (set() if suite.map else set(Part))
 
@@ -107,6 +115,16 @@ def test_generators_draw_the_maps_that_the_suites_have(name: str):
     assert digest_of(suite.map, suite.seeds(Part.VALIDATION)) == suite.parts[Part.VALIDATION].digest
 
 
+@pytest.mark.parametrize("name", ["rooms", "floors-generated"])
+def test_no_map_to_test_on_is_a_turned_mirrored_or_rescaled_one_to_train_on(name: str):
+    suite = suite_of(name)
+    assert suite.map is not None
+    drawn = {part: {suite.map.floorplan(0, seed).layout for seed in suite.seeds(part)} for part in Part}
+    for one, other in combinations(Part, 2):
+        assert not drawn[one] & drawn[other]
+    assert sum(map(len, drawn.values())) == sum(part.maps for part in suite.parts.values())
+
+
 def test_an_unknown_suite_is_told_with_the_nearest_one():
     with pytest.raises(InputError, match="unknown suite 'flors'; did you mean 'floors'"):
         suite_of("flors")
@@ -114,7 +132,7 @@ def test_an_unknown_suite_is_told_with_the_nearest_one():
 
 def test_parts_stand_for_their_maps_and_digests_for_themselves():
     assert digests_of("0123") == ["0123"]
-    assert len(digests_of("floors/train")) == suite_of("floors").map_count(Part.TRAIN)
+    assert len(digests_of("floors/train")) == 2 * suite_of("floors").map_count(Part.TRAIN)  # maps and layouts
     assert not set(digests_of("floors/train")) & set(digests_of("floors/test"))
     for name in ("floors/tests", "rooms/train", "flors/train"):
         with pytest.raises(InputError, match=name.partition("/")[0]):
@@ -148,7 +166,8 @@ def test_shared_maps_are_in_no_test_part(name: str):
 def test_the_shared_maps_are_the_train_and_validation_parts(name: str):
     resolution, files = FOLDERS[name]
     mine = {digest for part in (Part.TRAIN, Part.VALIDATION) for digest in digests_of(f"{name}/{part}")}
-    assert {read_map(file, resolution).digest for file in files} == mine
+    plans = [read_map(file, resolution) for file in files]
+    assert {digest for plan in plans for digest in (plan.digest, plan.layout)} == mine
 
 
 @pytest.mark.slow
@@ -159,7 +178,8 @@ def test_the_files_of_the_repositories_are_read_as_the_suites_have_them(name: st
     suite = suite_of(name)
     maps = maps_of(suite, part, [CLONES])
     plans = [maps.floorplan(index, 0) for index in range(maps.count)]
-    assert [int(plan.main_part.sum()) for plan in plans] == [each.cells for _, each in suite.maps(part)]
+    facts = [(int(plan.main_part.sum()), plan.layout) for plan in plans]
+    assert facts == [(each.cells, each.layout) for _, each in suite.maps(part)]
     assert all(isinstance(scenario, Scenario) for scenario in suite.scenarios(maps))
 
 

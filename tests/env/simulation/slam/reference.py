@@ -159,12 +159,15 @@ class SlowWorld(SlowAgents):
     def settle(self):
         rewards, scenario = self.scenario.rewards, self.scenario
         shared = {"team": self.shown(self.team_log_odds()), "base": self.shown(self.log_odds(BASE))}
+        together = scenario.goal_of == "every" and not scenario.base.must_return
+        all_know = all(self.right(self.belief(n)) >= self.needed for n in filter(self.flying, self.team))
         for n in filter(self.flying, self.team):
             uav = self.uavs[n]
             uav.pose_error += math.dist(uav.believed, uav.cell)
             uav.reward += rewards.discovered * uav.discovered + rewards.received * uav.received
             goal_map = shared["base"] if scenario.base.must_return else shared.get(scenario.goal_of)
-            if self.right(self.belief(n) if goal_map is None else goal_map) >= self.needed:
+            reached = self.right(self.belief(n) if goal_map is None else goal_map) >= self.needed
+            if all_know if together else reached:
                 uav.end = End.GOAL
                 uav.reward += rewards.goal
             elif self.step_number >= self.budget:

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from indoor_explorers.env import InputError
+from indoor_explorers.env.grid.cells import FREE
+from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.evaluation.analysis.comparability import verdict_on
 from indoor_explorers.evaluation.analysis.comparison import Comparison
 from indoor_explorers.evaluation.driver import fly_missing
@@ -89,3 +91,14 @@ def test_maps_that_a_policy_has_seen_are_warned_of(tiny: Path, tmp_path: Path):
         in verdict.warnings
     )
     assert not verdict.fine
+
+
+def test_a_map_that_a_policy_has_seen_in_a_mirror_is_warned_of(tiny: Path, tmp_path: Path):
+    flown = fly(tmp_path, suite="tiny", data=tiny, team=1)
+    plan = next(record.floorplan for record in flown.records if record.floorplan.name == "a1")
+    mirrored = Floorplan.from_free(plan.truth[:, ::-1] == FREE, "mirrored")
+    assert mirrored.digest != plan.digest
+    flown.policies["frontier-nearest"]["seen_maps"] = {"tuning": [mirrored.digest, mirrored.layout]}
+    assert flown.map_notes == [
+        "maps seen before (frontier-nearest: developed on 1 of 3, a1): such figures may be optimistic"
+    ]
