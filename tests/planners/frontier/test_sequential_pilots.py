@@ -10,6 +10,7 @@ from indoor_explorers.env.grid.arrays import Belief, Cell
 from indoor_explorers.env.sensing.lidar import scan, view_gain
 from indoor_explorers.planners.frontier.advantage import FrontierAdvantage
 from indoor_explorers.planners.frontier.burgard import FrontierBurgard, nearness
+from indoor_explorers.planners.frontier.mrtsp import FrontierMrtsp
 from indoor_explorers.planners.frontier.utility import Form, FrontierUtility
 from tests.planners.flights import view_of
 
@@ -52,6 +53,25 @@ def test_the_weight_of_the_path_decides_between_large_and_near() -> None:
     assert goals[0] is not None
     assert goals[0][0] == 2
     assert goals[1] in {(4, 5), (2, 5)}
+
+
+def test_the_ratio_is_path_cost_by_size_and_the_turn_towards_the_first_cluster() -> None:
+    belief = np.full((5, 21), 2, np.uint8)
+    belief[2] = 1
+    belief[1:4, 0] = belief[2, 20] = 0  # three frontier cells in the west, one in the east
+    belief[1:4, 1] = 1
+    pilot = pilot_of(FrontierMrtsp(switch_cost=0.0), 0, belief.shape)
+    expected = {(2, 1): (7 + 0 - 3) / 3, (2, 19): (11 + 0 - 3) / 1}  # no flight so far, so no turn
+    for cell, turned in (((2, 8), {}), ((2, 9), {(2, 1): 2, (2, 19): 0}), ((2, 12), {(2, 1): 2, (2, 19): 0})):
+        view = view_of(belief, cell)
+        choices = pilot.choices(view, pilot.members(view))
+        scores = pilot.score(pilot.gains(view, choices), choices.steps.astype(np.float64))[0]
+        moved = {(2, 1): (cell[1] - 8) / 3, (2, 19): 8 - cell[1]}
+        places = [divmod(place, 21) for place in choices.cells[0].tolist()]
+        wanted = [expected[place] + moved[place] + turned.get(place, 0) for place in places]
+        np.testing.assert_allclose(-scores, wanted, atol=1e-9)
+    pilot.act(view_of(belief, (2, 10)))
+    assert pilot.goal == (2, 1)
 
 
 #: A corridor with three openings to the north: two in the west, close together, and one in the east.
