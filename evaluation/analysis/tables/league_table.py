@@ -11,6 +11,7 @@ from indoor_explorers.evaluation.analysis.comparison import Comparison
 from indoor_explorers.evaluation.analysis.failures import failed_of
 from indoor_explorers.evaluation.analysis.outliers import far_behind
 from indoor_explorers.evaluation.analysis.ranks import Rank, ranks
+from indoor_explorers.evaluation.analysis.reported import ReportedFigures, marked_name
 from indoor_explorers.evaluation.analysis.shown_best import shown_best
 from indoor_explorers.evaluation.analysis.tables.ratio_table import bounded
 from indoor_explorers.evaluation.drawing.dot_plots import Scale, interval_plot
@@ -22,7 +23,7 @@ from indoor_explorers.evaluation.drawing.formatting import (
     percent,
     with_interval,
 )
-from indoor_explorers.evaluation.drawing.palette import PolicyStyle, Styles
+from indoor_explorers.evaluation.drawing.palette import PolicyStyle, Styles, styles_beside
 from indoor_explorers.evaluation.drawing.table import Cell, Column
 from indoor_explorers.evaluation.statistics import Finding
 
@@ -62,6 +63,8 @@ class LeagueTable:
     """By policy; a cell for each scenario, None where it was not flown."""
     first: str
     """The policy with the lowest mean on the first scenario among those that are ranked; empty if none flew."""
+    reported: list[tuple[str, list[LeagueCell | None]]]
+    """The reported policies that have a time to a threshold, which have no rank."""
 
     @property
     def tested(self) -> bool:
@@ -91,7 +94,38 @@ def league_table(comparisons: Mapping[str, Comparison], styles: Styles) -> Leagu
     cells = [_cells(each, places, styles, width) for each, places in ranked]
     rows = [(name, [column.get(name) for column in cells]) for name in _order(ranked)]
     firsts = [each.ranked_policies[0] if each.groups else "" for each in comparisons.values()]
-    return LeagueTable([_column(section, each) for section, each in comparisons.items()], rows, "".join(firsts[:1]))
+    return LeagueTable(
+        [_column(section, each) for section, each in comparisons.items()],
+        rows,
+        "".join(firsts[:1]),
+        _reported(list(comparisons.values()), styles),
+    )
+
+
+def _reported(comparisons: Sequence[Comparison], styles: Styles) -> list[tuple[str, list[LeagueCell | None]]]:
+    """Return the rows of reported policies."""
+    reported = comparisons[0].results.reported if comparisons else ()
+    beside = styles_beside(styles, [policy.name for policy in reported])
+    rows = []
+    for policy in reported:
+        cells = []
+        for each in comparisons:
+            scale = _scale(each, WIDTHS.get(len(comparisons), 0)) if each.groups else None
+            cells.append(_reported_cell(ReportedFigures(each, policy), scale, beside[policy.name]))
+        rows.append((marked_name(policy), cells))
+    return [row for row in rows if any(row[1])]
+
+
+def _reported_cell(figures: ReportedFigures, scale: Scale | None, style: PolicyStyle) -> LeagueCell | None:
+    key = figures.comparison.level.key
+    if not figures.count or key not in figures.metrics:
+        return None
+    time = figures.estimate(key)
+    shown = figures.success if figures.succeeds_at_threshold else None
+    drawing = interval_plot(time, scale, style, reported=True) if scale else Markup("")
+    around = interval(time, decimals_for(time.mean))
+    text, reached = fixed(time.mean, decimals_for(time.mean)), percent(shown.mean) if shown else ""
+    return LeagueCell(text, time.mean, around or "mean alone", drawing=drawing, reached=reached)
 
 
 def _column(section: str, comparison: Comparison) -> Column:
