@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
@@ -124,7 +123,7 @@ class ReportedFigures:
         budgets = [each.budget for each in self.episodes]
         return np.array([b if v is None else v for v, b in zip(found, budgets, strict=True)], np.float64)
 
-    def _complete(self, metric: str) -> NDArray[np.bool_]:
+    def complete(self, metric: str) -> NDArray[np.bool_]:
         """Return (R,) whether the values of the rows are no bounds."""
         if metric in GROWING:
             return np.array([each.success is not False for each in self.episodes], np.bool_)
@@ -173,37 +172,32 @@ class ReportedFigures:
         return found
 
     @cached_property
-    def _unclear(self) -> set[str]:
-        """The names of several maps of the scenario."""
-        maps = {(record.floorplan.name, record.floorplan.digest) for record in self.comparison.records}
-        return {name for name, count in Counter(name for name, _ in maps).items() if count > 1}
-
-    @cached_property
     def shared(self) -> Callable[[str], dict[TaskKey, list[int]]]:
         """Function of a flown policy: the places of its episodes by the tasks that the rows have too.
 
         These are of the same map, start and team. Rows without a seed are of the start that the map marks, and have no
-        task on maps that mark none.
+        task on maps that mark none; nor has a name that several maps have.
         """
         return cache(self._shared)
 
     def _shared(self, policy: str) -> dict[TaskKey, list[int]]:
-        settings = self.comparison.results.scenarios[self.comparison.scenario]
+        listed = not isinstance(self.comparison.results.scenarios[self.comparison.scenario]["spawn"], str)
+        records = self.comparison.groups[policy]
         found: dict[TaskKey, list[int]] = {}
-        for place, record in enumerate(self.comparison.groups[policy]):
-            plan = record.floorplan
-            key: TaskKey = (plan.name, record.task.seed)
-            if key not in self._rows and (plan.start is not None or not isinstance(settings["spawn"], str)):
-                key = (plan.name, None)
-            if key in self._rows and plan.name not in self._unclear:
+        for place, record in enumerate(records):
+            key: TaskKey = (record.floorplan.name, record.task.seed)
+            if key not in self._rows and (listed or record.floorplan.start is not None):
+                key = (record.floorplan.name, None)
+            if key in self._rows:
                 found.setdefault(key, []).append(place)
-        return found
+        alike = {key: {records[place].floorplan.digest for place in places} for key, places in found.items()}
+        return {key: places for key, places in found.items() if len(alike[key]) == 1}
 
     def pairs(self, policy: str, metric: str) -> SharedTasks:
         """Return a metric of a flown policy and the rows on the tasks of both."""
         results, scenario = self.comparison.results, self.comparison.scenario
         shared, ours, theirs = self.shared(policy), results.values(scenario, policy, metric), self.values(metric)
-        complete = self._flown_complete(policy, metric), self._complete(metric)
+        complete = self._flown_complete(policy, metric), self.complete(metric)
         labels = self.comparison.maps(policy)
         columns = [(places, self._rows[key]) for key, places in sorted(shared.items(), key=lambda each: str(each[0]))]
         flown = np.array([ours[one].mean() for one, _ in columns], np.float64)
@@ -241,6 +235,8 @@ class ReportedFigures:
         if self.comparison.groups:
             both = counted(self.tasks, "task")
             text += f"; {both} shared with flown policies" + (", compared there alone" if self.tasks else "")
+        late = sum(any(value is None for value in each.metrics.values()) for each in self.episodes)
+        text += f"; times never reached, in {counted(late, 'row')}, count as the budget" if late else ""
         left = f"; left out: {counted(self.left_out, 'row')} of another number of UAVs" if self.left_out else ""
         return f"{text}{left}."
 

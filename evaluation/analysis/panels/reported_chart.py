@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from indoor_explorers.evaluation.analysis.comparison import Comparison
 from indoor_explorers.evaluation.analysis.reported import ReportedFigures, reported_on
-from indoor_explorers.evaluation.drawing.formatting import counted
+from indoor_explorers.evaluation.drawing.formatting import counted, decimals_for
 from indoor_explorers.evaluation.drawing.palette import PolicyStyle, Styles, styles_beside
 from indoor_explorers.evaluation.harness.episodes.metrics import MEASURES
 from indoor_explorers.evaluation.statistics import Estimate, bootstrap_mean
@@ -34,6 +34,7 @@ class ReportedChart:
     """What the means are over."""
     bars: list[Bar]
     """The flown policies, then the reported one."""
+    decimals: int
     note: str
     """Where the reported figures come from."""
 
@@ -60,6 +61,7 @@ def _chart(figures: ReportedFigures, metric: str, styles: Styles, style: PolicyS
         f"{measure.title} [{measure.unit}]" if measure.unit else measure.title,
         f"over the {tasks} of both" if figures.tasks else "over different tasks",
         [bar for bar in _bars(figures, metric, styles, style) if bar.estimate.mean == bar.estimate.mean],
+        3 if metric.startswith("auc") else decimals_for(figures.estimate(metric).mean),
         figures.note,
     )
 

@@ -124,7 +124,8 @@ def _reported_cell(figures: ReportedFigures, scale: Scale | None, style: PolicyS
     shown = figures.success if figures.succeeds_at_threshold else None
     drawing = interval_plot(time, scale, style, reported=True) if scale else Markup("")
     around = interval(time, decimals_for(time.mean))
-    text, reached = fixed(time.mean, decimals_for(time.mean)), percent(shown.mean) if shown else ""
+    late = "" if figures.complete(key).all() else AT_LEAST
+    text, reached = bounded(fixed(time.mean, decimals_for(time.mean)), late), percent(shown.mean) if shown else ""
     return LeagueCell(text, time.mean, around or "mean alone", drawing=drawing, reached=reached)
 
 

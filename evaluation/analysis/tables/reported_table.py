@@ -92,11 +92,11 @@ def _beside(figures: ReportedFigures, key: str) -> Table:
     for metric in figures.metrics:
         measure = MEASURES[metric]
         columns.append(Column(f"{measure.title} [{measure.unit}]" if measure.unit else measure.title))
-        columns += [Column(f"/ {figures.name}")] if figures.tasks else []
+        columns += [Column("flown / reported")] if figures.tasks else []
     columns += [Column(success_text(level))] if level is not None else []
-    columns.append(Column("tasks"))
+    columns.append(Column("tasks" if figures.tasks else "episodes"))
     rows = [Row(marked(comparison.results, name), _flown_cells(figures, name)) for name in comparison.groups]
-    rows += _shared_rows(figures) + [Row(figures.name, _own_cells(figures), "italic")]
+    rows += _shared_rows(figures) + [Row(f"{figures.name}, all", _own_cells(figures), "italic")]
     notes = [ABOUT] if figures.tasks else ["No task of both: the means are over different tasks, and not compared."]
     return Table(columns, rows, f"{comparison.title} beside {figures.name}", key, [*notes, figures.note])
 
@@ -134,7 +134,7 @@ def _shared_rows(figures: ReportedFigures) -> list[Row]:
     if figures.policy.level is not None:
         of_both = [each.success for each in figures.episodes if _key(each) in shared[0] and each.success is not None]
         cells.append(_share(success_share(of_both)))
-    return [Row(f"{figures.name} there", [*cells, Cell(str(len(shared[0])))], "italic")]
+    return [Row(f"{figures.name}, shared tasks", [*cells, Cell(str(len(shared[0])))], "italic")]
 
 
 def _key(row: Any) -> tuple[str, int | None]:
@@ -146,7 +146,7 @@ def _own_cells(figures: ReportedFigures) -> list[Cell]:
     for metric in figures.metrics:
         cells += [figure(figures.estimate(metric), metric), *([Cell()] if figures.tasks else [])]
     cells += [_share(figures.success)] if figures.policy.level is not None else []
-    return [*cells, Cell(f"all {figures.count}")]
+    return [*cells, Cell(str(figures.count))]
 
 
 def unflown_tables(results: Results) -> list[Table]:

@@ -67,11 +67,13 @@ def run_import(options: ImportOptions, typed: str) -> int:
 
 def _lines(policies: Iterable[ReportedPolicy], known: set[str]) -> Iterable[str]:
     """Yield a line for each policy and scenario, and one for each scenario of an unknown name."""
+    from indoor_explorers.evaluation.drawing.formatting import counted
+
     names = dict.fromkeys(name for policy in policies for name in policy.scenarios)
     for policy in policies:
         for name in policy.scenarios:
             rows = sum(each.scenario == name for each in policy.episodes)
-            what = f"{rows} rows" if rows else "published means"
+            what = counted(rows, "row") if rows else "published means"
             yield f"{policy.name} on {name}: {what}, reported by {policy.source.citation}"
     for name in (name for name in names if name not in known):
         yield f"scenario {name!r} is no preset and of no suite: shown beside flown results of a scenario of this name"

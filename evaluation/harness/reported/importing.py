@@ -25,8 +25,8 @@ from indoor_explorers.evaluation.harness.reported.rows import (
 
 #: Texts that a boolean column may have.
 TRUE, FALSE = ("true", "yes", "1"), ("false", "no", "0")
-#: The key of the cells of a CSV row beyond its columns.
-MORE = "\0more"
+#: The key of what is wrong with the number of cells of a CSV row.
+CELLS = "\0cells"
 #: A row by column, with its number: of a CSV file the line, else counted from 1.
 NumberedRow = tuple[int, Mapping[str, Any]]
 
@@ -80,13 +80,16 @@ class _Table:
         self._note_repeated()
 
     def _refuse_missing_columns(self, rows: Sequence[NumberedRow]) -> None:
-        there = {key for _, row in rows for key in row} - {MORE}
+        there = {key for _, row in rows for key in row} - {CELLS}
         for name in self.columns.named if rows else ():
             if name not in there:
                 raise InputError(f"{self.file}: no column {name!r}{did_you_mean(name, map(str, there))}")
 
     def _read(self, number: int, row: Mapping[str, Any]) -> dict[str, Any] | None:
         """Return the values of a row; None where one of them is a fault."""
+        if CELLS in row:
+            self._fault(number, "the end", f"expected {row[CELLS]}")
+            return None
         found, before = dict[str, Any](row=number), len(self.faults)
         for name, entry, read in self._wanted:
             value = entry.value if entry.column is None else row.get(entry.column)
@@ -95,8 +98,6 @@ class _Table:
             except ValueError as error:
                 where = f"column {entry.column!r}" if entry.column else f"{name} of the TOML file"
                 self._fault(number, where, f"expected {error}, got {shown(value)}")
-        if MORE in row:
-            self._fault(number, "the end", f"expected {len(row) - 1} cells, got {len(row) - 1 + len(row[MORE])}")
         return found if len(self.faults) == before else None
 
     def _fault(self, number: int, where: str, what: str) -> None:
@@ -248,12 +249,13 @@ def _rows_of(file: Path, data: bytes) -> Iterator[NumberedRow]:
 
 def _csv_rows(file: Path, data: bytes) -> Iterator[NumberedRow]:
     try:
-        reader = csv.DictReader(io.StringIO(data.decode("utf-8-sig"), newline=""), restkey=MORE, strict=True)
-        names = reader.fieldnames or []
+        reader = csv.reader(io.StringIO(data.decode("utf-8-sig"), newline=""), strict=True)
+        names = next(reader, [])
         if len(set(names)) < len(names):
             raise InputError(f"{file}: expected columns of different names, got {', '.join(names)}")
-        for row in reader:
-            yield reader.line_num, row
+        for cells in filter(None, reader):
+            wrong = {CELLS: f"{len(names)} cells, got {len(cells)}"} if len(cells) != len(names) else {}
+            yield reader.line_num, dict(zip(names, cells, strict=False)) | wrong
     except (UnicodeDecodeError, csv.Error) as error:
         raise InputError(f"{file}: expected CSV in UTF-8, got {error}") from error
 

@@ -15,15 +15,15 @@ LONGEST = 26
 
 def reported_bars(chart: ReportedChart, key: str) -> Markup:
     """Draw a chart; ``key`` is what its parts are named by, unlike those of every other chart of the page."""
-    rows = Markup("").join(_row(bar, row, chart.most, f"{key}-{row}") for row, bar in enumerate(chart.bars))
+    rows = Markup("").join(_row(bar, row, chart, f"{key}-{row}") for row, bar in enumerate(chart.bars))
     return Markup(
         '<svg class="reported-bars" viewBox="0 0 {w} {h}" role="img" aria-label="{label}">{rows}</svg>'
     ).format(w=WIDTH, h=ROW * len(chart.bars) + 4, label=f"{chart.title}, means {chart.over}", rows=rows)
 
 
-def _row(bar: Bar, row: int, most: float, key: str) -> Markup:
+def _row(bar: Bar, row: int, chart: ReportedChart, key: str) -> Markup:
     def place(value: float) -> float:
-        return round(LEFT + (RIGHT - LEFT) * min(max(value / most, 0.0), 1.0), 1)
+        return round(LEFT + (RIGHT - LEFT) * min(max(value / chart.most, 0.0), 1.0), 1)
 
     top, end = row * ROW + 4, place(bar.estimate.mean)
     hatch = Markup(
@@ -41,6 +41,6 @@ def _row(bar: Bar, row: int, most: float, key: str) -> Markup:
     ).format(
         *(bar.style.variable, hatch if bar.reported else "", Markup(' class="hatched"') if bar.reported else ""),
         *(LEFT, top, round(end - LEFT, 1), f"url(#{key})" if bar.reported else "currentColor", whisker),
-        *(LEFT - 8, name, RIGHT + 8, with_interval(bar.estimate)),
+        *(LEFT - 8, name, RIGHT + 8, with_interval(bar.estimate, chart.decimals)),
         y=top + 11,
     )
