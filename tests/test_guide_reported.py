@@ -29,7 +29,7 @@ def test_the_example_is_imported_and_shown(tmp_path, monkeypatch, capsys):
     assert "3 tasks shared with flown policies" in printed
     assert "their-planner ¶" in (tmp_path / "results" / "peers.html").read_text("utf-8")
     assert main(["report", "results/peers", "--out", "alone.html"]) == 0
-    assert "thesis-open: reported alone, nothing flown beside" in capsys.readouterr().out
+    assert "Nothing was flown on this scenario." in capsys.readouterr().out
     assert not Path("alone.html").exists()
     assert main(["report", "results/open", "--against", "results/peers", "--out", "against.html"]) == 0
     assert "their-planner ¶, all" in capsys.readouterr().out

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, cached_property
 
@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.evaluation.analysis.comparison import Comparison
-from indoor_explorers.evaluation.drawing.formatting import counted, percent
+from indoor_explorers.evaluation.drawing.formatting import counted
 from indoor_explorers.evaluation.harness.episodes.metrics import LEVELS, MEASURES, OTHER_TIMES
-from indoor_explorers.evaluation.harness.reported.rows import ReportedEpisode, ReportedMean, ReportedPolicy
+from indoor_explorers.evaluation.harness.reported.rows import ReportedPolicy, ReportedRow
 from indoor_explorers.evaluation.harness.results.ratios import NO_RATIO, Censoring
 from indoor_explorers.evaluation.harness.results.results import Results
 from indoor_explorers.evaluation.statistics import (
@@ -29,14 +29,8 @@ from indoor_explorers.evaluation.statistics import (
 MARK = "\N{PILCROW SIGN}"
 #: Metrics that an episode which ends early has less of: what is not reached makes them bounds.
 GROWING = ("path_length", "path_max", "path_max_m")
-NO_ESTIMATE = Estimate(float("nan"), None, None)
 #: A map, and a seed where the rows have seeds.
-TaskKey = tuple[str, int | None]
-
-
-def marked_name(policy: ReportedPolicy) -> str:
-    """Return the name of a reported policy with its mark."""
-    return f"{policy.name} {MARK}"
+TaskKey = tuple[str | None, int | None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,77 +69,52 @@ class ReportedFigures:
     @property
     def name(self) -> str:
         """The name with the mark."""
-        return marked_name(self.policy)
+        return f"{self.policy.name} {MARK}"
 
     @cached_property
-    def _all(self) -> tuple[list[ReportedEpisode], list[ReportedMean]]:
-        name = self.comparison.scenario
-        return (
-            [each for each in self.policy.episodes if each.scenario == name],
-            [each for each in self.policy.means if each.scenario == name],
-        )
-
-    def _is_of_team(self, row: ReportedEpisode | ReportedMean) -> bool:
-        settings = self.comparison.results.scenarios.get(self.comparison.scenario)
-        return settings is None or row.team in (None, settings["team"])
-
-    @cached_property
-    def episodes(self) -> list[ReportedEpisode]:
+    def rows(self) -> list[ReportedRow]:
         """The rows of the scenario, without those of another number of UAVs."""
-        return list(filter(self._is_of_team, self._all[0]))
-
-    @cached_property
-    def mean(self) -> ReportedMean | None:
-        """The published means of the scenario where there are no rows."""
-        return None if self.episodes else next(filter(self._is_of_team, self._all[1]), None)
+        settings = self.comparison.results.scenarios.get(self.comparison.scenario)
+        teams = None if settings is None else (None, settings["team"])
+        return [row for row in self.policy.on(self.comparison.scenario) if teams is None or row.team in teams]
 
     @property
-    def left_out(self) -> int:
-        """How many rows are of another number of UAVs."""
-        return sum(not self._is_of_team(each) for part in self._all for each in part)
+    def is_mean(self) -> bool:
+        """Whether means alone were published."""
+        return any(row.n is not None for row in self.rows)
 
     @property
     def count(self) -> int:
         """Number of reported episodes."""
-        return self.mean.episodes if self.mean else len(self.episodes)
+        return sum(row.n or 1 for row in self.rows)
 
     @cached_property
     def metrics(self) -> list[str]:
         """The reported metrics, in the order of all metrics."""
-        rows = [self.mean] if self.mean else self.episodes
-        held = {metric for row in rows for metric in row.metrics}
-        return [metric for metric in MEASURES if metric in held]
+        return [metric for metric in MEASURES if any(metric in row.metrics for row in self.rows)]
 
     def values(self, metric: str) -> NDArray[np.float64]:
         """Return (R,) values of the rows; NaN where missing; a time never reached counts as its budget."""
-        missing = {True: math.nan, False: None}
-        found = [each.metrics.get(metric, missing[metric not in each.metrics]) for each in self.episodes]
-        budgets = [each.budget for each in self.episodes]
-        return np.array([b if v is None else v for v, b in zip(found, budgets, strict=True)], np.float64)
+        found = [row.metrics.get(metric, math.nan) for row in self.rows]
+        return np.array([row.budget if v is None else v for v, row in zip(found, self.rows, strict=True)], np.float64)
 
     def complete(self, metric: str) -> NDArray[np.bool_]:
         """Return (R,) whether the values of the rows are no bounds."""
         if metric in GROWING:
-            return np.array([each.success is not False for each in self.episodes], np.bool_)
-        if metric in LEVELS or metric in OTHER_TIMES:
-            return np.array([each.metrics.get(metric) is not None for each in self.episodes], np.bool_)
-        return np.ones(len(self.episodes), np.bool_)
+            return np.array([row.success != 0 for row in self.rows], np.bool_)
+        return np.array([row.metrics.get(metric, math.nan) is not None for row in self.rows], np.bool_)
 
     def estimate(self, metric: str) -> Estimate:
         """Return the mean over all rows with its interval, maps drawn first; a published mean has none."""
-        if self.mean:
-            value = self.mean.metrics.get(metric)
-            return NO_ESTIMATE if value is None else Estimate(value, None, None)
         values = self.values(metric)
         held = ~np.isnan(values)
-        return bootstrap_mean(values[held], maps=np.array([each.map for each in self.episodes])[held])
+        return bootstrap_mean(values[held], maps=np.array([str(row.map) for row in self.rows])[held])
 
     @property
     def success(self) -> Estimate:
         """The share of successful episodes with its exact interval; a published share has none."""
-        if self.mean:
-            return NO_ESTIMATE if self.mean.success is None else Estimate(self.mean.success, None, None)
-        return success_share([each.success for each in self.episodes if each.success is not None])
+        found = [row.success for row in self.rows if row.success is not None]
+        return Estimate(found[0], None, None) if self.is_mean and found else success_share(found)
 
     @property
     def succeeds_at_threshold(self) -> bool:
@@ -165,10 +134,10 @@ class ReportedFigures:
     # -- tasks of both ------------------------------------------------------------------------------------
 
     @cached_property
-    def _rows(self) -> dict[TaskKey, list[int]]:
+    def _places(self) -> dict[TaskKey, list[int]]:
         found: dict[TaskKey, list[int]] = {}
-        for place, each in enumerate(self.episodes):
-            found.setdefault((each.map, each.seed), []).append(place)
+        for place, row in enumerate(self.rows):
+            found.setdefault((row.map, row.seed), []).append(place)
         return found
 
     @cached_property
@@ -186,9 +155,9 @@ class ReportedFigures:
         found: dict[TaskKey, list[int]] = {}
         for place, record in enumerate(records):
             key: TaskKey = (record.floorplan.name, record.task.seed)
-            if key not in self._rows and (listed or record.floorplan.start is not None):
+            if key not in self._places and (listed or record.floorplan.start is not None):
                 key = (record.floorplan.name, None)
-            if key in self._rows:
+            if key in self._places:
                 found.setdefault(key, []).append(place)
         alike = {key: {records[place].floorplan.digest for place in places} for key, places in found.items()}
         return {key: places for key, places in found.items() if len(alike[key]) == 1}
@@ -199,7 +168,7 @@ class ReportedFigures:
         shared, ours, theirs = self.shared(policy), results.values(scenario, policy, metric), self.values(metric)
         complete = self._flown_complete(policy, metric), self.complete(metric)
         labels = self.comparison.maps(policy)
-        columns = [(places, self._rows[key]) for key, places in sorted(shared.items(), key=lambda each: str(each[0]))]
+        columns = [(places, self._places[key]) for key, places in sorted(shared.items(), key=lambda each: str(each[0]))]
         flown = np.array([ours[one].mean() for one, _ in columns], np.float64)
         reported = np.array([theirs[other].mean() for _, other in columns], np.float64)
         reached = [[part[places].all() for part, places in zip(complete, pair, strict=True)] for pair in columns]
@@ -227,18 +196,19 @@ class ReportedFigures:
         """The sentence that says where the figures come from, and over what they are compared."""
         source = self.policy.source
         start = f"{self.name} reported by {source.citation} ({source.url}), not flown here: "
-        if self.mean:
-            over = counted(self.mean.episodes, "episode")
+        if self.is_mean:
+            over = counted(self.count, "episode")
             return f"{start}published means over {over}, without rows: no interval and no comparison by task."
-        maps = len({each.map for each in self.episodes})
-        text = f"{start}{counted(len(self.episodes), 'row')} on {counted(maps, 'map')}"
-        if self.comparison.groups:
-            both = counted(self.tasks, "task")
-            text += f"; {both} shared with flown policies" + (", compared there alone" if self.tasks else "")
-        late = sum(any(value is None for value in each.metrics.values()) for each in self.episodes)
-        text += f"; times never reached, in {counted(late, 'row')}, count as the budget" if late else ""
-        left = f"; left out: {counted(self.left_out, 'row')} of another number of UAVs" if self.left_out else ""
-        return f"{text}{left}."
+        maps, late = len({row.map for row in self.rows}), sum(None in row.metrics.values() for row in self.rows)
+        other = len(self.policy.on(self.comparison.scenario)) - len(self.rows)
+        shared = f"{counted(self.tasks, 'task')} shared with flown policies" if self.comparison.groups else ""
+        parts = [
+            f"{counted(len(self.rows), 'row')} on {counted(maps, 'map')}",
+            f"{shared}, compared there alone" if self.tasks else shared,
+            f"times never reached, in {counted(late, 'row')}, count as the budget" if late else "",
+            f"left out: {counted(other, 'row')} of another number of UAVs" if other else "",
+        ]
+        return f"{start}{'; '.join(filter(None, parts))}."
 
 
 def reported_on(comparison: Comparison) -> list[ReportedFigures]:
@@ -247,25 +217,8 @@ def reported_on(comparison: Comparison) -> list[ReportedFigures]:
     return [each for each in found if each.count]
 
 
-def reported_notes(comparison: Comparison) -> list[str]:
-    """Return a sentence for each reported policy of a scenario."""
-    return [each.note for each in reported_on(comparison)]
-
-
-def unflown(results: Results) -> dict[str, list[ReportedFigures]]:
-    """Return the reported policies of the scenarios that were not flown, by scenario."""
-    names = dict.fromkeys(name for policy in results.reported for name in policy.scenarios)
-    flown = {scenario for scenario, _ in results.groups}
-    found = {name: reported_on(Comparison(results, name)) for name in names if name not in flown}
-    return {name: figures for name, figures in found.items() if figures}
-
-
-def success_text(level: float | None) -> str:
-    """Return the heading of a share of successes."""
-    return "reached" if level is None else f"reached {percent(level, 0 if round(100 * level, 6).is_integer() else 1)}"
-
-
-def all_notes(results: Results) -> Sequence[str]:
-    """Return the sentences of all reported policies of all scenarios, each with its scenario."""
-    flown = {name: reported_on(Comparison(results, name)) for name in results.scenarios}
-    return [f"{name}: {each.note}" for name, figures in (flown | unflown(results)).items() for each in figures]
+def all_reported(results: Results) -> list[ReportedFigures]:
+    """Return all reported policies: on the scenarios in their order, then on those that were not flown."""
+    names = dict.fromkeys([*results.scenarios, *(name for policy in results.reported for name in policy.scenarios)])
+    comparisons = (Comparison(results.on_common_tasks, name) for name in (names if results.reported else ()))
+    return [figures for comparison in comparisons for figures in reported_on(comparison)]

@@ -55,11 +55,11 @@ def _dots(values: NDArray[np.float64], scale: Scale, y: float) -> Markup:
     return Markup("").join(dot.format(scale(value), y) for value in sorted(values.tolist()))
 
 
-def _mean_and_interval(estimate: Estimate, scale: Scale, y: float, kind: str = "mean") -> Markup:
+def _mean_and_interval(estimate: Estimate, scale: Scale, y: float) -> Markup:
     line = Markup("")
     if estimate.low is not None and estimate.high is not None:
         line = Markup('<path class="range" d="M{} {y}H{}"/>').format(scale(estimate.low), scale(estimate.high), y=y)
-    return line + Markup('<circle class="{}" cx="{}" cy="{}" r="3.2"/>').format(kind, scale(estimate.mean), y)
+    return line + Markup('<circle class="mean" cx="{}" cy="{}" r="3.2"/>').format(scale(estimate.mean), y)
 
 
 def _arrowhead(estimate: Estimate, scale: Scale, y: float) -> Markup:
@@ -81,10 +81,9 @@ def episode_dot_plot(values: NDArray[np.float64], estimate: Estimate, scale: Sca
     return _drawing(scale, body, f"{listed}; mean {with_interval(estimate)}")
 
 
-def interval_plot(estimate: Estimate, scale: Scale, style: PolicyStyle, *, reported: bool = False) -> Markup:
-    """Draw a mean with its interval, hollow if it is ``reported``; an arrowhead for a mean beyond the scale."""
-    kind = "mean hollow" if reported else "mean"
-    mark = _arrowhead(estimate, scale, 10) or _mean_and_interval(estimate, scale, 10, kind)
+def interval_plot(estimate: Estimate, scale: Scale, style: PolicyStyle) -> Markup:
+    """Draw a mean with its interval; an arrowhead for a mean beyond the scale."""
+    mark = _arrowhead(estimate, scale, 10) or _mean_and_interval(estimate, scale, 10)
     body = Markup('<g style="color:{}"><path class="axis" d="M4 10H{}"/>{}</g>').format(
         style.variable, scale.width - 4, mark
     )

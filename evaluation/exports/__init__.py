@@ -3,16 +3,9 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-import pandas as pd
-
 from indoor_explorers.env.files import written_whole
 from indoor_explorers.evaluation.analysis.reproduce import experiment_files
-from indoor_explorers.evaluation.analysis.tables.reported_table import (
-    COLUMNS,
-    reported_csv_rows,
-    reported_tables,
-    unflown_tables,
-)
+from indoor_explorers.evaluation.analysis.tables.reported_table import reported_csv, reported_tables
 from indoor_explorers.evaluation.exports.figures import write_figures
 from indoor_explorers.evaluation.exports.latex import latex_tables
 from indoor_explorers.evaluation.exports.markdown import markdown_ratios, markdown_tables
@@ -41,9 +34,9 @@ def write_exports(results: Results, folder: Path, *, ratio_to: Sequence[str] | N
     write_ratios(ratios, tables / "ratios.csv")
     write_differences(differences(results, ratios.to), tables / "differences.csv")
     texts = {folder / name: text for name, text in experiment_files(results).items()}
-    shown = scenario_tables(results) + reported_tables(results) + unflown_tables(results)
+    shown = scenario_tables(results) + reported_tables(results)
     if results.reported:
-        write_csv(pd.DataFrame(reported_csv_rows(results), columns=list(COLUMNS)), tables / "reported.csv", "%.6g")
+        write_csv(reported_csv(results), tables / "reported.csv", "%.6g")
     texts |= {tables / "results.md": markdown_tables(shown), tables / "results.tex": latex_tables(shown)}
     texts |= {tables / "ratios.md": markdown_ratios(ratios)}
     for path, text in texts.items():

@@ -8,7 +8,7 @@ from indoor_explorers.evaluation.analysis.comparability import missing_episodes
 from indoor_explorers.evaluation.analysis.comparison import Comparison
 from indoor_explorers.evaluation.analysis.facts import denominator
 from indoor_explorers.evaluation.analysis.notes import narrow_notes, scenario_notes
-from indoor_explorers.evaluation.analysis.reported import reported_notes, reported_on
+from indoor_explorers.evaluation.analysis.reported import reported_on
 from indoor_explorers.evaluation.analysis.shown_best import BOLD
 from indoor_explorers.evaluation.analysis.tables.policy_cells import (
     best_of,
@@ -57,7 +57,7 @@ def _table(comparison: Comparison, key: str, missing: Sequence[str]) -> Table:
         cells = reported_cells(figures, tabled([level]), lambda mean: 1)
         if has_figure(cells):
             rows.append(Row(figures.name, cells + [Cell()] * (len(shown) - 1 - len(cells))))
-    notes = [*caption(comparison), *missing, *reported_notes(comparison)]
+    notes = [*caption(comparison), *missing, *(each.note for each in reported_on(comparison))]
     return Table(list(map(Column, shown)), rows, comparison.title, key, notes)
 
 

@@ -18,9 +18,9 @@ from indoor_explorers.evaluation.analysis.panels.reported_chart import ReportedC
 from indoor_explorers.evaluation.analysis.reported import ReportedFigures, reported_on
 from indoor_explorers.evaluation.analysis.tables.contrast_table import ContrastRow, contrast_table
 from indoor_explorers.evaluation.analysis.tables.reported_table import (
-    beside_tables,
     figure,
     has_figure,
+    reported_table,
     success_cell,
 )
 from indoor_explorers.evaluation.analysis.tables.results_table import (
@@ -121,8 +121,6 @@ class SectionReported:
     tables: list[Table]
     """The flown policies beside each of them."""
     charts: list[tuple[ReportedChart, Markup]]
-    notes: list[str]
-    """Where each comes from."""
 
 
 @dataclass(frozen=True)
@@ -178,9 +176,8 @@ def _reported(
     rows = [Row(each.name, [_reported_cell(each, column) for column in columns]) for each in found]
     return SectionReported(
         rows=[row for row in rows if has_figure(row.cells)],
-        tables=beside_tables(comparison, section_id),
+        tables=list(map(reported_table, found)),
         charts=[(chart, reported_bars(chart, f"hatch-{section_id}-{number}")) for number, chart in charts],
-        notes=[each.note for each in found],
     )
 
 

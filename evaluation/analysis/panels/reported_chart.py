@@ -8,9 +8,9 @@ from typing import NamedTuple
 
 from indoor_explorers.evaluation.analysis.comparison import Comparison
 from indoor_explorers.evaluation.analysis.reported import ReportedFigures, reported_on
+from indoor_explorers.evaluation.analysis.tables.reported_table import metric_title
 from indoor_explorers.evaluation.drawing.formatting import counted, decimals_for
 from indoor_explorers.evaluation.drawing.palette import PolicyStyle, Styles, styles_beside
-from indoor_explorers.evaluation.harness.episodes.metrics import MEASURES
 from indoor_explorers.evaluation.statistics import Estimate, bootstrap_mean
 
 
@@ -56,10 +56,9 @@ def reported_charts(comparison: Comparison, styles: Styles) -> list[ReportedChar
 
 
 def _chart(figures: ReportedFigures, metric: str, styles: Styles, style: PolicyStyle) -> ReportedChart:
-    measure, tasks = MEASURES[metric], counted(figures.tasks, "task")
     return ReportedChart(
-        f"{measure.title} [{measure.unit}]" if measure.unit else measure.title,
-        f"over the {tasks} of both" if figures.tasks else "over different tasks",
+        metric_title(metric),
+        f"over the {counted(figures.tasks, 'task')} of both" if figures.tasks else "over different tasks",
         [bar for bar in _bars(figures, metric, styles, style) if bar.estimate.mean == bar.estimate.mean],
         3 if metric.startswith("auc") else decimals_for(figures.estimate(metric).mean),
         figures.note,
@@ -69,11 +68,8 @@ def _chart(figures: ReportedFigures, metric: str, styles: Styles, style: PolicyS
 def _bars(figures: ReportedFigures, metric: str, styles: Styles, style: PolicyStyle) -> Iterator[Bar]:
     own = figures.estimate(metric)
     for policy in figures.comparison.groups:
-        pairs = figures.pairs(policy, metric)
-        shared = bootstrap_mean(pairs.flown, maps=pairs.maps)
-        yield Bar(
-            policy, shared if figures.tasks else figures.comparison.estimate(policy, metric), styles[policy], False
-        )
-        if len(pairs.flown) == figures.tasks > 0:
-            own = bootstrap_mean(pairs.reported, maps=pairs.maps)
+        pairs, mean = figures.pairs(policy, metric), figures.comparison.estimate(policy, metric)
+        if figures.tasks:
+            mean, own = (bootstrap_mean(each, maps=pairs.maps) for each in (pairs.flown, pairs.reported))
+        yield Bar(policy, mean, styles[policy], False)
     yield Bar(figures.name, own, style, True)

@@ -11,9 +11,10 @@ from indoor_explorers.evaluation.analysis.comparison import Comparison
 from indoor_explorers.evaluation.analysis.failures import failed_of
 from indoor_explorers.evaluation.analysis.outliers import far_behind
 from indoor_explorers.evaluation.analysis.ranks import Rank, ranks
-from indoor_explorers.evaluation.analysis.reported import ReportedFigures, marked_name
+from indoor_explorers.evaluation.analysis.reported import ReportedFigures, reported_on
 from indoor_explorers.evaluation.analysis.shown_best import shown_best
 from indoor_explorers.evaluation.analysis.tables.ratio_table import bounded
+from indoor_explorers.evaluation.analysis.tables.reported_table import figure, success_cell
 from indoor_explorers.evaluation.drawing.dot_plots import Scale, interval_plot
 from indoor_explorers.evaluation.drawing.formatting import (
     counted,
@@ -23,7 +24,7 @@ from indoor_explorers.evaluation.drawing.formatting import (
     percent,
     with_interval,
 )
-from indoor_explorers.evaluation.drawing.palette import PolicyStyle, Styles, styles_beside
+from indoor_explorers.evaluation.drawing.palette import PolicyStyle, Styles
 from indoor_explorers.evaluation.drawing.table import Cell, Column
 from indoor_explorers.evaluation.statistics import Finding
 
@@ -98,35 +99,24 @@ def league_table(comparisons: Mapping[str, Comparison], styles: Styles) -> Leagu
         [_column(section, each) for section, each in comparisons.items()],
         rows,
         "".join(firsts[:1]),
-        _reported(list(comparisons.values()), styles),
+        _reported(list(comparisons.values())),
     )
 
 
-def _reported(comparisons: Sequence[Comparison], styles: Styles) -> list[tuple[str, list[LeagueCell | None]]]:
-    """Return the rows of reported policies."""
-    reported = comparisons[0].results.reported if comparisons else ()
-    beside = styles_beside(styles, [policy.name for policy in reported])
-    rows = []
-    for policy in reported:
-        cells = []
-        for each in comparisons:
-            scale = _scale(each, WIDTHS.get(len(comparisons), 0)) if each.groups else None
-            cells.append(_reported_cell(ReportedFigures(each, policy), scale, beside[policy.name]))
-        rows.append((marked_name(policy), cells))
+def _reported(comparisons: Sequence[Comparison]) -> list[tuple[str, list[LeagueCell | None]]]:
+    """Return the rows of the policies whose time to the threshold of a scenario was reported."""
+    found = [{each.name: _reported_cell(each) for each in reported_on(comparison)} for comparison in comparisons]
+    names = dict.fromkeys(name for cells in found for name in cells)
+    rows = [(name, [cells.get(name) for cells in found]) for name in names]
     return [row for row in rows if any(row[1])]
 
 
-def _reported_cell(figures: ReportedFigures, scale: Scale | None, style: PolicyStyle) -> LeagueCell | None:
+def _reported_cell(figures: ReportedFigures) -> LeagueCell | None:
     key = figures.comparison.level.key
-    if not figures.count or key not in figures.metrics:
-        return None
-    time = figures.estimate(key)
-    shown = figures.success if figures.succeeds_at_threshold else None
-    drawing = interval_plot(time, scale, style, reported=True) if scale else Markup("")
-    around = interval(time, decimals_for(time.mean))
-    late = "" if figures.complete(key).all() else AT_LEAST
-    text, reached = bounded(fixed(time.mean, decimals_for(time.mean)), late), percent(shown.mean) if shown else ""
-    return LeagueCell(text, time.mean, around or "mean alone", drawing=drawing, reached=reached)
+    cell, late = figure(figures.estimate(key), key), "" if figures.complete(key).all() else AT_LEAST
+    around = cell.detail or "no interval"
+    text, reached = bounded(cell.text, late), success_cell(figures).text
+    return LeagueCell(text, cell.value, around, reached=reached) if key in figures.metrics else None
 
 
 def _column(section: str, comparison: Comparison) -> Column:

@@ -6,10 +6,9 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
-import numpy as np
+import pandas as pd
 
-from indoor_explorers.evaluation.analysis.comparison import Comparison
-from indoor_explorers.evaluation.analysis.reported import ReportedFigures, reported_on, success_text, unflown
+from indoor_explorers.evaluation.analysis.reported import ReportedFigures, all_reported
 from indoor_explorers.evaluation.analysis.tables.policy_names import marked
 from indoor_explorers.evaluation.analysis.tables.ratio_table import DECIMALS, bounded
 from indoor_explorers.evaluation.drawing.formatting import (
@@ -32,6 +31,8 @@ COLUMNS = (
 )
 #: What the ratios of these tables are.
 ABOUT = "Means over the tasks of both; ratios are flown / reported, their mean over tasks: below 1 the flown has less."
+APART = "No task of both: the means are over different tasks, and not compared."
+ALONE = "Nothing was flown on this scenario."
 
 
 def figure(estimate: Estimate, metric: str, decimals: Callable[[float], int] = decimals_for) -> Cell:
@@ -66,54 +67,49 @@ def reported_cells(
     ]
 
 
+def metric_title(metric: str) -> str:
+    """Return the title of a metric with its unit."""
+    measure = MEASURES[metric]
+    return f"{measure.title} [{measure.unit}]" if measure.unit else measure.title
+
+
 def has_figure(cells: Sequence[Cell]) -> bool:
     """Return whether a row says anything; where it does not, the policy is left to the table beside."""
     return any(cell.value is not None for cell in cells)
 
 
 def reported_tables(results: Results) -> list[Table]:
-    """Return a table for each scenario and reported policy: the flown ones beside it on the tasks of both."""
-    if not results.reported:
-        return []
-    comparisons = [Comparison(results.on_common_tasks, scenario) for scenario in results.scenarios]
-    keys = [f"{number:02d}-{slug(each.scenario)}" for number, each in enumerate(comparisons, 1)]
-    return [table for key, each in zip(keys, comparisons, strict=True) for table in beside_tables(each, key)]
+    """Return a table for each scenario and reported policy: the flown ones beside it, on the tasks of both if any."""
+    return [reported_table(figures) for figures in all_reported(results)]
 
 
-def beside_tables(comparison: Comparison, key: str) -> list[Table]:
-    """Return the tables of one scenario; their keys begin with ``key``."""
-    found = reported_on(comparison) if comparison.groups else []
-    return [_beside(figures, f"{key}-{slug(figures.policy.name)}") for figures in found]
-
-
-def _beside(figures: ReportedFigures, key: str) -> Table:
-    comparison, level = figures.comparison, figures.policy.level
+def reported_table(figures: ReportedFigures) -> Table:
+    """Return the table of a reported policy on a scenario."""
+    comparison, level, shared = figures.comparison, figures.policy.level, figures.tasks > 0
     columns = [words("policy", 16)]
     for metric in figures.metrics:
-        measure = MEASURES[metric]
-        columns.append(Column(f"{measure.title} [{measure.unit}]" if measure.unit else measure.title))
-        columns += [Column("flown / reported")] if figures.tasks else []
-    columns += [Column(success_text(level))] if level is not None else []
-    columns.append(Column("tasks" if figures.tasks else "episodes"))
+        columns += [Column(metric_title(metric)), *([Column("flown / reported")] if shared else [])]
+    columns += [Column(f"reached {100 * level:g} %")] if level is not None else []
+    columns.append(Column("tasks" if shared else "episodes"))
     rows = [Row(marked(comparison.results, name), _flown_cells(figures, name)) for name in comparison.groups]
-    rows += _shared_rows(figures) + [Row(f"{figures.name}, all", _own_cells(figures), "italic")]
-    notes = [ABOUT] if figures.tasks else ["No task of both: the means are over different tasks, and not compared."]
-    return Table(columns, rows, f"{comparison.title} beside {figures.name}", key, [*notes, figures.note])
+    rows += [*_shared_rows(figures), Row(f"{figures.name}, all" if shared else figures.name, _own(figures), "italic")]
+    about = ABOUT if shared else APART if comparison.groups else ALONE
+    key = f"reported-{slug(comparison.scenario)}-{slug(figures.policy.name)}"
+    return Table(columns, rows, f"{comparison.title} beside {figures.name}", key, [about, figures.note])
 
 
 def _flown_cells(figures: ReportedFigures, policy: str) -> list[Cell]:
     """Return the means of a flown policy over the shared tasks with their ratios; over all its tasks without any."""
-    cells, comparison = [], figures.comparison
+    comparison, shared, cells = figures.comparison, figures.shared(policy), list[Cell]()
     for metric in figures.metrics:
-        pairs = figures.pairs(policy, metric)
         if not figures.tasks:
             cells.append(figure(comparison.estimate(policy, metric), metric))
             continue
-        cells.append(figure(bootstrap_mean(pairs.flown, maps=pairs.maps), metric))
+        pairs = figures.pairs(policy, metric)
         ratio, bound = pairs.ratio.of_tasks, pairs.censoring.bound
         around = "" if bound in (">", "<") else interval(ratio, DECIMALS)
+        cells.append(figure(bootstrap_mean(pairs.flown, maps=pairs.maps), metric))
         cells.append(Cell(bounded(fixed(ratio.mean, DECIMALS), bound), ratio.mean, around))
-    shared = figures.shared(policy)
     if figures.policy.level is not None:
         success, places = figures.flown_success(policy), [place for each in shared.values() for place in each]
         chosen = None if success is None else success[places] if figures.tasks else success
@@ -127,78 +123,34 @@ def _shared_rows(figures: ReportedFigures) -> list[Row]:
     shared = [set(figures.shared(name)) for name in names]
     if not figures.tasks or any(each != shared[0] for each in shared):
         return []
-    cells = []
-    for metric in figures.metrics:
-        pairs = figures.pairs(names[0], metric)
-        cells += [figure(bootstrap_mean(pairs.reported, maps=pairs.maps), metric), Cell("1")]
-    if figures.policy.level is not None:
-        of_both = [each.success for each in figures.episodes if _key(each) in shared[0] and each.success is not None]
-        cells.append(_share(success_share(of_both)))
-    return [Row(f"{figures.name}, shared tasks", [*cells, Cell(str(len(shared[0])))], "italic")]
+    kept = tuple(row for row in figures.rows if (row.map, row.seed) in shared[0])
+    there = ReportedFigures(figures.comparison, figures.policy.model_copy(update={"rows": kept}))
+    return [Row(f"{figures.name}, shared tasks", [*_own(there)[:-1], Cell(str(len(shared[0])))], "italic")]
 
 
-def _key(row: Any) -> tuple[str, int | None]:
-    return row.map, row.seed
-
-
-def _own_cells(figures: ReportedFigures) -> list[Cell]:
-    cells = []
+def _own(figures: ReportedFigures) -> list[Cell]:
+    """Return the means over all rows."""
+    cells = list[Cell]()
     for metric in figures.metrics:
         cells += [figure(figures.estimate(metric), metric), *([Cell()] if figures.tasks else [])]
     cells += [_share(figures.success)] if figures.policy.level is not None else []
     return [*cells, Cell(str(figures.count))]
 
 
-def unflown_tables(results: Results) -> list[Table]:
-    """Return a table for each scenario that only reported policies have."""
-    return [_alone(scenario, figures) for scenario, figures in unflown(results).items()]
+def reported_csv(results: Results) -> pd.DataFrame:
+    """Return the rows of reported.csv: by reported policy and metric, one for each flown policy, or one."""
+    found = [row for figures in all_reported(results) for metric in figures.metrics for row in _rows(figures, metric)]
+    return pd.DataFrame(found, columns=list(COLUMNS))
 
 
-def _alone(scenario: str, reported: Sequence[ReportedFigures]) -> Table:
-    held = {metric for each in reported for metric in each.metrics}
-    metrics = [metric for metric in MEASURES if metric in held]
-    titles = [f"{MEASURES[m].title} [{MEASURES[m].unit}]" if MEASURES[m].unit else MEASURES[m].title for m in metrics]
-    levels = dict.fromkeys(each.policy.level for each in reported if each.policy.level is not None)
-    rows = [
-        Row(
-            each.name,
-            [
-                *(figure(each.estimate(metric), metric) for metric in metrics),
-                *(_share(each.success) if each.policy.level == level else Cell() for level in levels),
-                Cell(str(each.count)),
-            ],
-        )
-        for each in reported
-    ]
-    columns = [words("policy", 16), *map(Column, [*titles, *map(success_text, levels), "episodes"])]
-    title = f"{scenario}: reported alone, nothing flown beside"
-    return Table(columns, rows, title, f"reported-{slug(scenario)}", [each.note for each in reported])
-
-
-def reported_csv_rows(results: Results) -> list[dict[str, Any]]:
-    """Return the rows of reported.csv: by scenario, reported policy and metric, one for each flown policy or one."""
-    found: list[dict[str, Any]] = []
-    for scenario in results.scenarios:
-        for figures in reported_on(Comparison(results.on_common_tasks, scenario)):
-            for metric in figures.metrics:
-                found += _csv_rows(figures, metric)
-    return found + [
-        row
-        for figures in unflown(results).values()
-        for each in figures
-        for m in each.metrics
-        for row in _csv_rows(each, m)
-    ]
-
-
-def _csv_rows(figures: ReportedFigures, metric: str) -> list[dict[str, Any]]:
+def _rows(figures: ReportedFigures, metric: str) -> list[dict[str, Any]]:
     source, scenario = figures.policy.source, figures.comparison.scenario
     about = (scenario, figures.policy.name, source.citation, source.url, metric, figures.count)
     own = dict(zip(COLUMNS, (*about, *figures.estimate(metric)), strict=False))
     rows = []
     for policy in figures.comparison.groups if figures.tasks else ():
         pairs = figures.pairs(policy, metric)
-        means = [float(np.mean(each)) if len(each) else math.nan for each in (pairs.flown, pairs.reported)]
-        figures_of = (policy, len(pairs.flown), *means, *pairs.ratio.of_tasks, pairs.censoring.bound)
-        rows.append(own | dict(zip(COLUMNS[9:], figures_of, strict=True)))
+        means = (bootstrap_mean(each).mean for each in (pairs.flown, pairs.reported))
+        paired = (policy, len(pairs.flown), *means, *pairs.ratio.of_tasks, pairs.censoring.bound)
+        rows.append(own | dict(zip(COLUMNS[9:], paired, strict=True)))
     return rows or [own]

@@ -82,10 +82,10 @@ def print_ratios(results: Results, asked: Sequence[str] | None, console: PlainCo
 
 def print_reported(results: Results, console: PlainConsole) -> None:
     """Print the reported policies, those of scenarios that were flown beside the flown ones."""
-    from indoor_explorers.evaluation.analysis.tables.reported_table import reported_tables, unflown_tables
+    from indoor_explorers.evaluation.analysis.tables.reported_table import reported_tables
     from indoor_explorers.evaluation.drawing.table import terminal_table
 
-    for table in (*reported_tables(results), *unflown_tables(results)) if results.reported else ():
+    for table in reported_tables(results):
         console.print_table(terminal_table(table))
 
 

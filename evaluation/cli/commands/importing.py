@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from indoor_explorers.evaluation.cli.command import Command, make_console, print_line, written
 from indoor_explorers.evaluation.harness.experiment.request import Option, Request
-
-if TYPE_CHECKING:
-    from indoor_explorers.evaluation.harness.reported.rows import ReportedPolicy
 
 
 class ImportOptions(Request):
@@ -30,14 +26,9 @@ class ImportOptions(Request):
 def run_import(options: ImportOptions, typed: str) -> int:
     """Read all files, and write all of their rows or none."""
     from indoor_explorers.env.errors import InputError, one_line
+    from indoor_explorers.evaluation.drawing.formatting import counted
     from indoor_explorers.evaluation.harness.reported.importing import BadRows, imported
-    from indoor_explorers.evaluation.harness.reported.rows import (
-        FILE,
-        joined,
-        read_reported,
-        refuse_flown_names,
-        write_reported,
-    )
+    from indoor_explorers.evaluation.harness.reported.rows import FILE, joined, read_reported, write_reported
     from indoor_explorers.evaluation.harness.results.reading import StoreReader
 
     try:
@@ -46,47 +37,33 @@ def run_import(options: ImportOptions, typed: str) -> int:
         for fault in error.faults:
             sys.stderr.write(f"{one_line(fault)}\n")
         raise
-    new = {each.name for each in policies}
-    held = [each for each in read_reported(options.out) if not (options.replace and each.name in new)]
-    whole, store = joined([*held, *policies]), options.out / "results.db"
-    known = set(_known_scenarios())
-    if store.is_file():
-        with StoreReader(store) as reader:
-            refuse_flown_names(whole, reader.policies())
-            known |= set(reader.scenarios())
     if options.out.exists() and not options.out.is_dir():
         raise InputError(f"{options.out}: expected a folder, got a file; choose another --out")
+    new, store = {each.name for each in policies}, options.out / "results.db"
+    held = [each for each in read_reported(options.out) if not (options.replace and each.name in new)]
+    flown, known = [], _known_scenarios()
+    if store.is_file():
+        with StoreReader(store) as reader:
+            flown, known = list(reader.policies()), known | set(reader.scenarios())
+    whole = joined([*held, *policies], flown)
     with written(options.out):
         options.out.mkdir(parents=True, exist_ok=True)
         write_reported(whole, options.out)
-    for line in _lines(policies, known):
-        print_line(make_console(), line)
-    print_line(make_console(), f"Reported rows: {options.out / FILE}")
+    console = make_console()
+    for policy in policies:
+        for name in policy.scenarios:
+            unknown = "" if name in known else "; no preset and no suite has a scenario of this name"
+            print_line(console, f"{policy.name} on {name}: {counted(len(policy.on(name)), 'row')}{unknown}")
+    print_line(console, f"Reported rows: {options.out / FILE}")
     return 0
 
 
-def _lines(policies: Iterable[ReportedPolicy], known: set[str]) -> Iterable[str]:
-    """Yield a line for each policy and scenario, and one for each scenario of an unknown name."""
-    from indoor_explorers.evaluation.drawing.formatting import counted
-
-    names = dict.fromkeys(name for policy in policies for name in policy.scenarios)
-    for policy in policies:
-        for name in policy.scenarios:
-            rows = sum(each.scenario == name for each in policy.episodes)
-            what = counted(rows, "row") if rows else "published means"
-            yield f"{policy.name} on {name}: {what}, reported by {policy.source.citation}"
-    for name in (name for name in names if name not in known):
-        yield f"scenario {name!r} is no preset and of no suite: shown beside flown results of a scenario of this name"
-
-
-def _known_scenarios() -> Iterable[str]:
-    """Yield the names of the presets and of the scenarios of suites."""
+def _known_scenarios() -> set[str]:
+    """Return the names of the presets and of the scenarios of suites."""
     from indoor_explorers.env import PRESETS
     from indoor_explorers.env.scenarios.suites.catalogue import suites
 
-    yield from PRESETS
-    for suite in suites().values():
-        yield from (scenario.name for scenario in suite.scenarios())
+    return {*PRESETS, *(scenario.name for suite in suites().values() for scenario in suite.scenarios())}
 
 
 IMPORT = Command(

@@ -6,12 +6,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Self
 
-from pydantic import BeforeValidator, Field, field_validator, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
-from indoor_explorers.env.errors import InputError, did_you_mean
+from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.scenarios.validation import read_toml, validated
-from indoor_explorers.evaluation.harness.episodes.metrics import MEASURES
-from indoor_explorers.evaluation.harness.reported.rows import Source, Strict
+from indoor_explorers.evaluation.harness.reported.rows import Source, Strict, known_metrics
 
 
 class Entry(Strict):
@@ -27,13 +26,6 @@ class Entry(Strict):
         if (self.column is None) == (self.value is None):
             raise ValueError('expected a value, or a table such as { column = "NAME" }')
         return self
-
-
-def _entry(given: Any) -> Any:
-    return given if isinstance(given, Mapping) else {"value": given}
-
-
-Given = Annotated[Entry, BeforeValidator(_entry)]
 
 
 class MetricColumn(Strict):
@@ -52,8 +44,15 @@ class SuccessColumn(Strict):
     """Coverage that counts as success."""
 
 
+def _entry(given: Any) -> Any:
+    return given if isinstance(given, Mapping) else {"value": given}
+
+
+Given = Annotated[Entry, BeforeValidator(_entry)]
+
+
 class Columns(Strict):
-    """What the columns of a file mean."""
+    """What the columns of a file mean; see :class:`~.rows.ReportedRow`."""
 
     policy: Given
     source: Source
@@ -62,27 +61,17 @@ class Columns(Strict):
     seed: Given | None = None
     team: Given | None = None
     budget: Given | None = None
-    """Steps that an empty time counts as."""
     n: Given | None = None
-    """Number of episodes of a mean."""
     mean: bool = False
     """Whether each row holds published means instead of an episode."""
     metrics: Mapping[str, MetricColumn] = {}
-    """By the keys of this package's metrics."""
     success: SuccessColumn | None = None
     where: Mapping[str, str] = {}
     """Only the rows that have these values in these columns are read."""
 
-    @field_validator("metrics")
-    @classmethod
-    def _known(cls, metrics: Mapping[str, MetricColumn]) -> Mapping[str, MetricColumn]:
-        for key in metrics:
-            if key not in MEASURES:
-                raise ValueError(f"unknown metric {key!r}{did_you_mean(key, MEASURES)}")
-        return metrics
-
     @model_validator(mode="after")
     def _complete(self) -> Self:
+        known_metrics(self.metrics)
         if not self.metrics and self.success is None:
             raise ValueError("expected a table of metrics, or success")
         if self.mean and (self.n is None or self.map or self.seed or self.budget):
@@ -90,13 +79,6 @@ class Columns(Strict):
         if not self.mean and (self.map is None or self.n is not None):
             raise ValueError("expected map, and no n; published means say mean = true")
         return self
-
-    @property
-    def named(self) -> list[str]:
-        """The columns that a file must have."""
-        entries = (self.policy, self.scenario, self.map, self.seed, self.team, self.budget, self.n, self.success)
-        found = [each.column for each in (*entries, *self.metrics.values()) if each is not None and each.column]
-        return list(dict.fromkeys([*found, *self.where]))
 
 
 def read_columns(file: Path, given: Path | None) -> Columns:

@@ -16,10 +16,10 @@ from indoor_explorers.evaluation.harness.episodes.metrics import MEASURES
 
 #: The file of a results folder that holds reported policies.
 FILE = "reported.json"
-#: How the keys of metrics begin that are shares of 1.
-SHARES = ("auc",)
 #: A name or a citation.
 Line = Annotated[str, Field(min_length=1, max_length=400, pattern=r"^[^\r\n]*\S[^\r\n]*$")]
+Share = Annotated[float, Field(ge=0, le=1)]
+Amount = Annotated[float, Field(ge=0)]
 
 
 class Strict(BaseModel):
@@ -35,53 +35,42 @@ class Source(Strict):
     url: Annotated[str, Field(pattern=r"^https?://[^\s\"<>]+$", max_length=400)]
 
 
-def value_fault(metric: str, value: float) -> str:
-    """Return what is expected of a metric's value instead; empty where it is possible."""
-    if metric.startswith(SHARES):
-        return "" if 0 <= value <= 1 else "a share from 0 to 1"
-    return "" if value >= 0 else "a number of at least 0"
+def known_metrics(metrics: Mapping[str, object]) -> None:
+    """Refuse keys that are no metrics.
+
+    Raises:
+        ValueError: there is such a key.
+
+    """
+    for key in metrics:
+        if key not in MEASURES:
+            raise ValueError(f"unknown metric {key!r}{did_you_mean(key, MEASURES)}")
 
 
-class _Measured(Strict):
-    """What rows and means have in common."""
+class ReportedRow(Strict):
+    """One reported episode, or published means of some."""
 
     scenario: Line
+    map: Line | None = None
+    """The name of the map, which is the stem of its file; None for means."""
+    seed: int | None = None
+    """None where the rows have no seeds: the start is then the map's own."""
     team: int | None = Field(None, ge=1)
     """Number of UAVs; None where the rows do not say."""
-    metrics: Mapping[str, float | None]
+    budget: int | None = Field(None, ge=1)
+    """Steps that a time which was never reached counts as."""
+    n: int | None = Field(None, ge=1)
+    """Number of episodes that the row is the mean of; None for an episode."""
+    metrics: Mapping[str, Amount | None]
     """By key, in the units of this package; None for a time that was never reached."""
+    success: Share | None = None
+    """Share of successes, 0 or 1 for an episode; None where the rows do not say."""
 
     @field_validator("metrics")
     @classmethod
-    def _possible(cls, metrics: Mapping[str, float | None]) -> Mapping[str, float | None]:
-        for key, value in metrics.items():
-            if key not in MEASURES:
-                raise ValueError(f"unknown metric {key!r}{did_you_mean(key, MEASURES)}")
-            if value is not None and (fault := value_fault(key, value)):
-                raise ValueError(f"expected {fault} for {key}, got {value:g}")
+    def _known(cls, metrics: Mapping[str, float | None]) -> Mapping[str, float | None]:
+        known_metrics(metrics)
         return metrics
-
-
-class ReportedEpisode(_Measured):
-    """One reported episode."""
-
-    map: Line
-    """The name of the map, which is the stem of its file."""
-    seed: int | None = None
-    """None where the rows have no seeds: the start is then the map's own."""
-    budget: float | None = Field(None, gt=0)
-    """Steps that a time which was never reached counts as."""
-    success: bool | None = None
-    """Whether the episode reached :attr:`ReportedPolicy.level`; None where the rows do not say."""
-
-
-class ReportedMean(_Measured):
-    """Published means without rows."""
-
-    episodes: int = Field(ge=1)
-    """Number of episodes that the means are over."""
-    success: float | None = Field(None, ge=0, le=1)
-    """Share of episodes that reached :attr:`ReportedPolicy.level`."""
 
 
 class ReportedPolicy(Strict):
@@ -93,18 +82,19 @@ class ReportedPolicy(Strict):
     """Coverage that counts as success; None where no row says whether it succeeded."""
     files: tuple[str, ...] = ()
     """The files that the rows were imported from, with their SHA-256."""
-    episodes: tuple[ReportedEpisode, ...] = ()
-    means: tuple[ReportedMean, ...] = ()
+    rows: tuple[ReportedRow, ...]
 
     @property
     def scenarios(self) -> list[str]:
-        """The scenarios of its rows and means, in their order."""
-        return list(dict.fromkeys(each.scenario for each in (*self.episodes, *self.means)))
+        """The scenarios of its rows, in their order."""
+        return list(dict.fromkeys(row.scenario for row in self.rows))
+
+    def on(self, scenario: str) -> tuple[ReportedRow, ...]:
+        """Return the rows of a scenario."""
+        return tuple(row for row in self.rows if row.scenario == scenario)
 
 
 class _Contents(Strict):
-    """What the file holds."""
-
     format: Literal[1] = 1
     policies: tuple[ReportedPolicy, ...]
 
@@ -123,73 +113,41 @@ def read_reported(folder: Path) -> tuple[ReportedPolicy, ...]:
         return ()
     except (OSError, ValueError, RecursionError) as error:
         raise InputError(f"{path}: cannot be read: {error}; import the rows again") from error
-    if not isinstance(data, Mapping):
-        raise InputError(f"{path}: expected what import wrote, got a {type(data).__name__}; import the rows again")
     return validated(_Contents, data, str(path)).policies
 
 
-def write_reported(policies: Iterable[ReportedPolicy], folder: Path) -> Path:
+def write_reported(policies: Iterable[ReportedPolicy], folder: Path) -> None:
     """Write the reported policies of a results folder; equal policies give equal bytes."""
-    path = folder / FILE
-    with written_whole(path) as partial:
+    with written_whole(folder / FILE) as partial:
         text = _Contents(policies=tuple(policies)).model_dump_json(indent=1, exclude_defaults=True)
         partial.write_text(text + "\n", encoding="utf-8", newline="\n")
-    return path
 
 
-def joined(policies: Iterable[ReportedPolicy]) -> tuple[ReportedPolicy, ...]:
+def joined(policies: Iterable[ReportedPolicy], flown: Iterable[str] = ()) -> tuple[ReportedPolicy, ...]:
     """Return reported policies with those of one name as one.
 
     Raises:
-        InputError: two of one name have other sources, levels or rows of a scenario.
+        InputError: two of one name have other sources, levels or rows of a scenario, or one has the name of a ``flown``
+            policy.
 
     """
     found: dict[str, ReportedPolicy] = {}
     for each in policies:
         found[each.name] = _merged(found[each.name], each) if each.name in found else each
+    for name in flown:
+        if name in found:
+            raise InputError(f"policy {name!r} is both flown and reported; import the rows with another policy name")
     return tuple(found.values())
 
 
 def _merged(one: ReportedPolicy, other: ReportedPolicy) -> ReportedPolicy:
-    way_out = "give one of them another name"
-    if one.source != other.source:
+    differing = [key for key in ("source", "level") if getattr(one, key) != getattr(other, key)]
+    differing += [f"rows of {name!r}" for name in other.scenarios if one.on(name) and one.on(name) != other.on(name)]
+    if differing:
         raise InputError(
-            f"reported policy {one.name!r} has two sources, {one.source.url} and {other.source.url}; {way_out}"
+            f"two reported policies are named {one.name!r} and differ in: {', '.join(differing)}; give one of them "
+            "another name, or import with --replace"
         )
-    if None not in (one.level, other.level) and one.level != other.level:
-        raise InputError(f"reported policy {one.name!r} succeeds at {one.level:g} and at {other.level:g}; {way_out}")
-    for name in (name for name in other.scenarios if name in one.scenarios):
-        if _only(one, name) != _only(other, name):
-            raise InputError(
-                f"reported policy {one.name!r} has other rows of scenario {name!r} already; {way_out}, or import with "
-                "--replace"
-            )
-    more = [name for name in other.scenarios if name not in one.scenarios]
-    return one.model_copy(
-        update={
-            "level": other.level if one.level is None else one.level,
-            "files": tuple(dict.fromkeys(one.files + other.files)),
-            "episodes": one.episodes + tuple(each for each in other.episodes if each.scenario in more),
-            "means": one.means + tuple(each for each in other.means if each.scenario in more),
-        }
-    )
-
-
-def _only(policy: ReportedPolicy, scenario: str) -> tuple[_Measured, ...]:
-    return tuple(each for each in (*policy.episodes, *policy.means) if each.scenario == scenario)
-
-
-def refuse_flown_names(reported: Iterable[ReportedPolicy], flown: Iterable[str]) -> None:
-    """Refuse a reported policy that has the name of a flown one.
-
-    Raises:
-        InputError: there is such a policy.
-
-    """
-    names = set(flown)
-    for each in reported:
-        if each.name in names:
-            raise InputError(
-                f"policy {each.name!r} is both flown and reported by {each.source.citation}; import the rows again "
-                "with another policy name"
-            )
+    more = tuple(row for row in other.rows if not one.on(row.scenario))
+    files = tuple(dict.fromkeys(one.files + other.files))
+    return one.model_copy(update={"files": files, "rows": one.rows + more})

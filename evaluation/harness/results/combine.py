@@ -10,7 +10,7 @@ import numpy as np
 from indoor_explorers.env import InputError
 from indoor_explorers.evaluation.harness.episodes.record import Record
 from indoor_explorers.evaluation.harness.experiment.experiment import Task
-from indoor_explorers.evaluation.harness.reported.rows import joined, refuse_flown_names
+from indoor_explorers.evaluation.harness.reported.rows import joined
 from indoor_explorers.evaluation.harness.results.fingerprints import comparable
 from indoor_explorers.evaluation.harness.results.policy_version import differing_fields, version_difference
 from indoor_explorers.evaluation.harness.results.results import Results
@@ -31,7 +31,7 @@ def combined(parts: Sequence[Results]) -> Results:
     whole, *others = sorted(parts, key=lambda part: not part.scenarios)  # reported rows alone come last
     for part in others:
         whole = _joined(whole, part)
-    refuse_flown_names(whole.reported, whole.policies)
+    joined(whole.reported, whole.policies)
     return whole
 
 

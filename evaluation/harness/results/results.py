@@ -22,7 +22,7 @@ from indoor_explorers.evaluation.harness.episodes.record import Outcome, Record,
 from indoor_explorers.evaluation.harness.episodes.resimulate import recorded_scenario
 from indoor_explorers.evaluation.harness.episodes.steps import StepFacts
 from indoor_explorers.evaluation.harness.experiment.experiment import MARGIN, Task, declared_margin
-from indoor_explorers.evaluation.harness.reported.rows import ReportedPolicy, read_reported, refuse_flown_names
+from indoor_explorers.evaluation.harness.reported.rows import ReportedPolicy, joined, read_reported
 from indoor_explorers.evaluation.harness.results.coverage_threshold import CoverageThreshold, applies_to, threshold_of
 from indoor_explorers.evaluation.harness.results.fingerprints import refuse_other_fingerprints
 from indoor_explorers.evaluation.harness.results.notes import ResultNotes
@@ -83,12 +83,11 @@ class Results(ResultNotes):
             records, scenarios = store.records(), store.scenarios()
             refuse_other_fingerprints(path, scenarios, records)
             policies = store.policies()
-            refuse_flown_names(reported, policies)
             return cls(
                 *(policies, scenarios, store.runs(), records, experiments, store.notes(), store.retries()),
                 margin=declared_margin(text),
                 plugins=frozenset(plugins),
-                reported=reported,
+                reported=joined(reported, policies),
             )
 
     def scenario(self, name: str) -> Scenario:

@@ -12,7 +12,7 @@ from indoor_explorers.evaluation.analysis.comparison import Comparison
 from indoor_explorers.evaluation.analysis.ranks import Rank, ranks
 from indoor_explorers.evaluation.harness.episodes.stored_names import refusal
 from indoor_explorers.evaluation.harness.experiment.selection import DEFAULT_BASELINE
-from indoor_explorers.evaluation.harness.reported.rows import joined, refuse_flown_names
+from indoor_explorers.evaluation.harness.reported.rows import joined
 from indoor_explorers.evaluation.harness.results.combine import combined, scenario_difference
 from indoor_explorers.evaluation.harness.results.ratios import RatioRow, Ratios
 from indoor_explorers.evaluation.harness.results.results import Results
@@ -137,9 +137,9 @@ def boards(parts: Sequence[Part], fly: int = 0) -> list[Board]:
         for one, other in product(group, another):
             _refuse_one_title(one, other)
     made = [_board([(folder, replace(each, reported=())) for folder, each in group], fly) for group in found.values()]
-    for board in made:
-        refuse_flown_names(reported, board.results.policies)
-    return [replace(board, results=replace(board.results, reported=reported)) for board in made]
+    return [
+        replace(each, results=replace(each.results, reported=joined(reported, each.results.policies))) for each in made
+    ]
 
 
 def _refuse_one_title(one: Part, other: Part) -> None:

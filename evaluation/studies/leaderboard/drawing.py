@@ -8,14 +8,14 @@ from dataclasses import replace
 
 from indoor_explorers.env.errors import one_line
 from indoor_explorers.evaluation.analysis.comparison import Comparison
-from indoor_explorers.evaluation.analysis.reported import MARK, reported_notes, reported_on
+from indoor_explorers.evaluation.analysis.reported import MARK, reported_on
 from indoor_explorers.evaluation.analysis.tables.policy_cells import result_cells
 from indoor_explorers.evaluation.analysis.tables.policy_names import footnotes, marked
 from indoor_explorers.evaluation.analysis.tables.ratio_table import bounded
 from indoor_explorers.evaluation.analysis.tables.reported_table import (
     has_figure,
     reported_cells,
-    reported_tables,
+    reported_table,
 )
 from indoor_explorers.evaluation.drawing.formatting import (
     counted,
@@ -57,13 +57,14 @@ def board_tables(board: Board, *, page: bool = False) -> list[Table]:
 
     Tables of reported policies beside the flown ones come last.
     """
-    beside = [replace(table, notes=()) for table in reported_tables(board.results)]
-    return [_table(board, comparison, page) for comparison in board.comparisons] + beside
+    beside = [reported_table(figures) for comparison in board.comparisons for figures in reported_on(comparison)]
+    tables = [_table(board, comparison, page) for comparison in board.comparisons]
+    return tables + [replace(table, notes=()) for table in beside]
 
 
 def reported_lines(board: Board) -> list[str]:
     """Return a line for each reported policy of each scenario."""
-    return [note for comparison in board.comparisons for note in reported_notes(comparison)]
+    return [figures.note for comparison in board.comparisons for figures in reported_on(comparison)]
 
 
 def _table(board: Board, comparison: Comparison, page: bool) -> Table:
