@@ -78,6 +78,13 @@ class ReportedFigures:
         teams = None if settings is None else (None, settings["team"])
         return [row for row in self.policy.on(self.comparison.scenario) if teams is None or row.team in teams]
 
+    @cached_property
+    def _maps(self) -> NDArray[np.str_]:
+        """(R,) labels of the maps of the rows; where maps are generated, each seed has a map of its own."""
+        settings = self.comparison.results.scenarios.get(self.comparison.scenario, {})
+        generated = settings and not settings["map"].get("paths")
+        return np.array([f"{row.map} {row.seed if generated else ''}" for row in self.rows], np.str_)
+
     @property
     def is_mean(self) -> bool:
         """Whether means alone were published."""
@@ -108,7 +115,7 @@ class ReportedFigures:
         """Return the mean over all rows with its interval, maps drawn first; a published mean has none."""
         values = self.values(metric)
         held = ~np.isnan(values)
-        return bootstrap_mean(values[held], maps=np.array([str(row.map) for row in self.rows])[held])
+        return bootstrap_mean(values[held], maps=self._maps[held])
 
     @property
     def success(self) -> Estimate:
@@ -168,7 +175,7 @@ class ReportedFigures:
         shared, ours, theirs = self.shared(policy), results.values(scenario, policy, metric), self.values(metric)
         complete = self._flown_complete(policy, metric), self.complete(metric)
         labels = self.comparison.maps(policy)
-        columns = [(places, self._places[key]) for key, places in sorted(shared.items(), key=lambda each: str(each[0]))]
+        columns = [(places, self._places[key]) for key, places in shared.items()]
         flown = np.array([ours[one].mean() for one, _ in columns], np.float64)
         reported = np.array([theirs[other].mean() for _, other in columns], np.float64)
         reached = [[part[places].all() for part, places in zip(complete, pair, strict=True)] for pair in columns]
@@ -199,7 +206,7 @@ class ReportedFigures:
         if self.is_mean:
             over = counted(self.count, "episode")
             return f"{start}published means over {over}, without rows: no interval and no comparison by task."
-        maps, late = len({row.map for row in self.rows}), sum(None in row.metrics.values() for row in self.rows)
+        maps, late = len(np.unique(self._maps)), sum(None in row.metrics.values() for row in self.rows)
         other = len(self.policy.on(self.comparison.scenario)) - len(self.rows)
         shared = f"{counted(self.tasks, 'task')} shared with flown policies" if self.comparison.groups else ""
         parts = [
@@ -214,7 +221,7 @@ class ReportedFigures:
 def reported_on(comparison: Comparison) -> list[ReportedFigures]:
     """Return the reported policies of a scenario."""
     found = [ReportedFigures(comparison, policy) for policy in comparison.results.reported]
-    return [each for each in found if each.count]
+    return [each for each in found if each.policy.on(comparison.scenario)]
 
 
 def all_reported(results: Results) -> list[ReportedFigures]:

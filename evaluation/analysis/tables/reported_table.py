@@ -95,7 +95,8 @@ def reported_table(figures: ReportedFigures) -> Table:
     rows += [*_shared_rows(figures), Row(f"{figures.name}, all" if shared else figures.name, _own(figures), "italic")]
     about = ABOUT if shared else APART if comparison.groups else ALONE
     key = f"reported-{slug(comparison.scenario)}-{slug(figures.policy.name)}"
-    return Table(columns, rows, f"{comparison.title} beside {figures.name}", key, [about, figures.note])
+    title = f"{comparison.title}{' beside' if comparison.groups else ':'} {figures.name}"
+    return Table(columns, rows, title, key, [about, figures.note])
 
 
 def _flown_cells(figures: ReportedFigures, policy: str) -> list[Cell]:
@@ -123,9 +124,14 @@ def _shared_rows(figures: ReportedFigures) -> list[Row]:
     shared = [set(figures.shared(name)) for name in names]
     if not figures.tasks or any(each != shared[0] for each in shared):
         return []
-    kept = tuple(row for row in figures.rows if (row.map, row.seed) in shared[0])
-    there = ReportedFigures(figures.comparison, figures.policy.model_copy(update={"rows": kept}))
-    return [Row(f"{figures.name}, shared tasks", [*_own(there)[:-1], Cell(str(len(shared[0])))], "italic")]
+    cells = list[Cell]()
+    for metric in figures.metrics:
+        pairs = figures.pairs(names[0], metric)
+        cells += [figure(bootstrap_mean(pairs.reported, maps=pairs.maps), metric), Cell()]
+    if figures.policy.level is not None:
+        success = [row.success for row in figures.rows if (row.map, row.seed) in shared[0] and row.success is not None]
+        cells.append(_share(success_share(success)))
+    return [Row(f"{figures.name}, shared tasks", [*cells, Cell(str(len(shared[0])))], "italic")]
 
 
 def _own(figures: ReportedFigures) -> list[Cell]:
