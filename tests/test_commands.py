@@ -12,6 +12,7 @@ from PIL import Image
 
 from indoor_explorers.evaluation.cli.parser import main
 from tests.documents import BOUNDS, PAGES, PLANNERS, ROOT
+from tests.test_guide_reported import write_example
 from tests.test_plugin import BLOCK
 
 DOCUMENTS = (*PAGES, PLANNERS, BOUNDS, *sorted((ROOT / "learners").rglob("*.md")))
@@ -63,6 +64,7 @@ def prepared(tmp_path_factory):
     (folder / "house.json").write_text(json.dumps(house))
     ((name, text),) = BLOCK.findall((ROOT / "evaluation/site/pages/guides/plugins.md").read_text())
     (folder / name).write_text(text)
+    write_example(folder)
     for place, policies in {"a": "random", "b": "frontier-nearest", "new": "pso", "old": "pso"}.items():
         words = f"compare --policies {policies} --scenario thesis-open --episodes 5 --workers 1 --out"
         assert main([*words.split(), str(folder / "results" / place)]) == 0

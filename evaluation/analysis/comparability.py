@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from indoor_explorers.evaluation.analysis.comparison import Comparison
+from indoor_explorers.evaluation.analysis.reported import all_reported
 from indoor_explorers.evaluation.analysis.tables.policy_names import EXPOSED
 from indoor_explorers.evaluation.drawing.formatting import counted, joined, percent
 from indoor_explorers.evaluation.harness.episodes.record import Outcome, Record
@@ -58,6 +59,7 @@ def verdict_on(results: Results) -> Verdict:
         *_censored(results),
         *_sentences(results.seed_notes),
         *_unknown_code(results),
+        *(f"{each.comparison.scenario}: {each.note}" for each in all_reported(results)),
     ]
     return Verdict(not warnings, _headline(results), warnings, notes)
 

@@ -123,6 +123,14 @@ def policy_styles(policies: Iterable[str]) -> dict[str, PolicyStyle]:
     return {name: styles[name] for name in names}
 
 
+def styles_beside(styles: Styles, names: Iterable[str]) -> dict[str, PolicyStyle]:
+    """Return styles of further names; those of the policies that are drawn anyway stay as they are."""
+    found = dict(styles)
+    for name in names:
+        found[name] = found.get(name) or _another(found.values())
+    return {name: found[name] for name in found if name not in styles}
+
+
 def _another(used: Collection[PolicyStyle]) -> PolicyStyle:
     """Return a style in the colour that fewest have, with a dash that none of them has, if there is one."""
     count = Counter(style.colour for style in used)

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from indoor_explorers.env.files import written_whole
 from indoor_explorers.evaluation.analysis.reproduce import experiment_files
+from indoor_explorers.evaluation.analysis.tables.reported_table import reported_csv, reported_tables
 from indoor_explorers.evaluation.exports.figures import write_figures
 from indoor_explorers.evaluation.exports.latex import latex_tables
 from indoor_explorers.evaluation.exports.markdown import markdown_ratios, markdown_tables
@@ -13,7 +14,7 @@ from indoor_explorers.evaluation.exports.scenario_tables import scenario_tables
 from indoor_explorers.evaluation.exports.tidy import write_curves, write_episodes
 from indoor_explorers.evaluation.harness.results.differences import differences, write_differences
 from indoor_explorers.evaluation.harness.results.ratios import Ratios, write_ratios
-from indoor_explorers.evaluation.harness.results.results import Results, write_summary
+from indoor_explorers.evaluation.harness.results.results import Results, write_csv, write_summary
 
 __all__ = ["write_exports"]
 
@@ -33,7 +34,9 @@ def write_exports(results: Results, folder: Path, *, ratio_to: Sequence[str] | N
     write_ratios(ratios, tables / "ratios.csv")
     write_differences(differences(results, ratios.to), tables / "differences.csv")
     texts = {folder / name: text for name, text in experiment_files(results).items()}
-    shown = scenario_tables(results)
+    shown = scenario_tables(results) + reported_tables(results)
+    if results.reported:
+        write_csv(reported_csv(results), tables / "reported.csv", "%.6g")
     texts |= {tables / "results.md": markdown_tables(shown), tables / "results.tex": latex_tables(shown)}
     texts |= {tables / "ratios.md": markdown_ratios(ratios)}
     for path, text in texts.items():

@@ -10,6 +10,7 @@ import re
 import unicodedata
 from collections.abc import Sequence
 
+from indoor_explorers.evaluation.analysis.reported import MARK
 from indoor_explorers.evaluation.analysis.tables.policy_names import DAGGER, DOUBLE_DAGGER, SECTION
 from indoor_explorers.evaluation.drawing.formatting import EN_DASH, MINUS, THIN_SPACE
 from indoor_explorers.evaluation.drawing.table import Cell, Row, Table
@@ -32,6 +33,7 @@ COMMANDS = {
     DAGGER: r"$\dagger$",
     DOUBLE_DAGGER: r"$\ddagger$",
     SECTION: r"\S",
+    MARK: r"\P{}",
     "\u00df": r"\ss{}",
 }
 #: Accents by their combining characters.

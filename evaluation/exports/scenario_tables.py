@@ -8,6 +8,7 @@ from indoor_explorers.evaluation.analysis.comparability import missing_episodes
 from indoor_explorers.evaluation.analysis.comparison import Comparison
 from indoor_explorers.evaluation.analysis.facts import denominator
 from indoor_explorers.evaluation.analysis.notes import narrow_notes, scenario_notes
+from indoor_explorers.evaluation.analysis.reported import reported_on
 from indoor_explorers.evaluation.analysis.shown_best import BOLD
 from indoor_explorers.evaluation.analysis.tables.policy_cells import (
     best_of,
@@ -17,8 +18,9 @@ from indoor_explorers.evaluation.analysis.tables.policy_cells import (
     result_cells,
 )
 from indoor_explorers.evaluation.analysis.tables.policy_names import footnotes, marked
+from indoor_explorers.evaluation.analysis.tables.reported_table import has_figure, reported_cells
 from indoor_explorers.evaluation.drawing.formatting import percent, slug, span
-from indoor_explorers.evaluation.drawing.table import Column, Row, Table
+from indoor_explorers.evaluation.drawing.table import Cell, Column, Row, Table
 from indoor_explorers.evaluation.harness.results.coverage_threshold import T99, CoverageThreshold, tabled
 from indoor_explorers.evaluation.harness.results.results import Results
 from indoor_explorers.evaluation.statistics import CONFIDENCE, FEWEST
@@ -51,7 +53,12 @@ def _table(comparison: Comparison, key: str, missing: Sequence[str]) -> Table:
         )
         for policy in comparison.groups
     ]
-    return Table(list(map(Column, shown)), rows, comparison.title, key, [*caption(comparison), *missing])
+    for figures in reported_on(comparison):
+        cells = reported_cells(figures, tabled([level]), lambda mean: 1)
+        if has_figure(cells):
+            rows.append(Row(figures.name, cells + [Cell()] * (len(shown) - 1 - len(cells))))
+    notes = [*caption(comparison), *missing, *(each.note for each in reported_on(comparison))]
+    return Table(list(map(Column, shown)), rows, comparison.title, key, notes)
 
 
 def caption(comparison: Comparison) -> list[str]:

@@ -131,6 +131,7 @@ class _Page:
             "definitions": definitions(shared(results.levels), results.measures),
             "policies": _policies(results, styles),
             "provenance": provenance(results),
+            "reported": results.reported,
         }
         several = len(comparisons) > 1
         template = _environment().get_template("scenario.html")
@@ -231,4 +232,5 @@ def _subtitle(results: Results) -> list[str]:
     phrases = list(results.suite_run.phrases) if results.suite_run else []
     phrases += [counted(len(results.policies), "policy"), counted(len(results.scenarios), "scenario")]
     phrases.append(counted(len(results.records), "episode"))
+    phrases += [counted(len(results.reported), "reported policy")] if results.reported else []
     return [*phrases, *filter(None, [seed_span(record.task.seed for record in results.records)])]

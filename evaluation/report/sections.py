@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,8 +14,17 @@ from indoor_explorers.evaluation.analysis.failures import failed_or_ended
 from indoor_explorers.evaluation.analysis.headline import headline
 from indoor_explorers.evaluation.analysis.notes import detectable_notes, narrow_notes, unseen_notes
 from indoor_explorers.evaluation.analysis.panels import ScenarioPanels, scenario_panels
+from indoor_explorers.evaluation.analysis.panels.reported_chart import ReportedChart, reported_charts
+from indoor_explorers.evaluation.analysis.reported import ReportedFigures, reported_on
 from indoor_explorers.evaluation.analysis.tables.contrast_table import ContrastRow, contrast_table
+from indoor_explorers.evaluation.analysis.tables.reported_table import (
+    figure,
+    has_figure,
+    reported_table,
+    success_cell,
+)
 from indoor_explorers.evaluation.analysis.tables.results_table import (
+    DIVISOR,
     MeasureColumn,
     MeasureRow,
     columns_of,
@@ -23,15 +33,16 @@ from indoor_explorers.evaluation.analysis.tables.results_table import (
     results_table,
 )
 from indoor_explorers.evaluation.drawing.palette import Styles
-from indoor_explorers.evaluation.drawing.table import Cell, Row
+from indoor_explorers.evaluation.drawing.table import Cell, Row, Table
 from indoor_explorers.evaluation.harness.episodes.record import AXES, Record
 from indoor_explorers.evaluation.harness.episodes.stored_names import MODELS, refusal
 from indoor_explorers.evaluation.harness.results.coverage_threshold import CoverageThreshold
 from indoor_explorers.evaluation.harness.results.results import Results
 from indoor_explorers.evaluation.report.charts.interactive import WHO, chart_data, coverage_scopes, times_data
+from indoor_explorers.evaluation.report.charts.reported_bars import reported_bars
 from indoor_explorers.evaluation.report.charts.small_multiples import SmallMultiples, map_multiples
 from indoor_explorers.evaluation.report.replay.selection import replay_data
-from indoor_explorers.evaluation.statistics import FEWEST
+from indoor_explorers.evaluation.statistics import FEWEST, Estimate
 
 #: Limits of all replays and of all charts in bytes; plotly.js takes 5 MB besides.
 REPLAY_BYTES, CHART_BYTES = 3_000_000, 1_200_000
@@ -102,6 +113,17 @@ class SectionTables:
 
 
 @dataclass(frozen=True)
+class SectionReported:
+    """The reported policies of the scenario."""
+
+    rows: list[Row]
+    """Their rows below the results, a cell for each column."""
+    tables: list[Table]
+    """The flown policies beside each of them."""
+    charts: list[tuple[ReportedChart, Markup]]
+
+
+@dataclass(frozen=True)
 class Section:
     """What the template shows of one scenario."""
 
@@ -120,11 +142,13 @@ class Section:
     replay: dict[str, Any] | None
     not_simulated: str
     """Why no episode can be simulated again; empty where they can."""
+    reported: SectionReported | None
+    """None where nothing is reported."""
 
 
 def section_of(comparison: Comparison, section_id: str, styles: Styles, replays: int | None = None) -> Section:
     """Return the data of a scenario, with this number of ``replays``, or as many as fit."""
-    limit = REPLAY_BYTES // len(comparison.results.scenarios)
+    limit, tables = REPLAY_BYTES // len(comparison.results.scenarios), _tables(comparison, styles)
     return Section(
         id=section_id,
         name=comparison.title,
@@ -133,12 +157,38 @@ def section_of(comparison: Comparison, section_id: str, styles: Styles, replays:
         task=_task_summary(comparison),
         sample=_sample(comparison),
         charts=_charts(comparison, styles),
-        tables=_tables(comparison, styles),
+        tables=tables,
         panels=scenario_panels(comparison, styles),
         failures=failed_or_ended(comparison.records),
         replay=replay_data(comparison, styles, limit, replays) if comparison.records else None,
         not_simulated=refusal(comparison.results.scenarios[comparison.scenario], comparison.results.plugins, MODELS),
+        reported=_reported(comparison, section_id, tables.columns, styles) if comparison.results.reported else None,
     )
+
+
+def _reported(
+    comparison: Comparison, section_id: str, columns: Sequence[MeasureColumn], styles: Styles
+) -> SectionReported | None:
+    found = reported_on(comparison) if comparison.groups else []
+    if not found:
+        return None
+    charts = enumerate(reported_charts(comparison, styles))
+    rows = [Row(each.name, [_reported_cell(each, column) for column in columns]) for each in found]
+    return SectionReported(
+        rows=[row for row in rows if has_figure(row.cells)],
+        tables=list(map(reported_table, found)),
+        charts=[(chart, reported_bars(chart, f"hatch-{section_id}-{number}")) for number, chart in charts],
+    )
+
+
+def _reported_cell(figures: ReportedFigures, column: MeasureColumn) -> Cell:
+    """Return the cell of a reported policy below a column of the results; a dash where it was not reported."""
+    if column.kind == "reached" and column.metric == figures.comparison.level.key:
+        return success_cell(figures)
+    if column.kind:
+        return Cell("")
+    (mean, low, high), divisor = figures.estimate(column.key), DIVISOR.get(column.key, 1.0)
+    return figure(Estimate(mean / divisor, low and low / divisor, high and high / divisor), column.key)
 
 
 def _task_summary(comparison: Comparison) -> TaskSummary:
@@ -182,7 +232,8 @@ def _charts(comparison: Comparison, styles: Styles) -> SectionCharts:
 def _tables(comparison: Comparison, styles: Styles) -> SectionTables:
     flown, columns = bool(comparison.records), columns_of(comparison.level)
     rows = results_table(comparison, styles) if flown else []
-    constant = constant_columns(columns, rows)
+    reported = {metric for figures in reported_on(comparison) for metric in figures.metrics}
+    constant = [each for each in constant_columns(columns, rows) if each[0].metric not in reported]
     kept = [place for place, column in enumerate(columns) if column not in [each for each, _ in constant]]
     return SectionTables(
         columns=[columns[place] for place in kept],

@@ -15,6 +15,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from indoor_explorers.env import Scenario
+from indoor_explorers.evaluation.analysis.tables.reported_table import COLUMNS as REPORTED_COLUMNS
 from indoor_explorers.evaluation.cli.parser import build_parser
 from indoor_explorers.evaluation.exports.episodes.csv_tables import COLUMNS as STEP_COLUMNS
 from indoor_explorers.evaluation.harness.episodes.metrics import MEASURES
@@ -80,6 +81,10 @@ def files_page() -> str:
         "summary.csv": ("a row for each policy, scenario and metric", SUMMARY_COLUMNS),
         "tables/ratios.csv": ("steps as ratios to a baseline's, paired", RATIO_COLUMNS),
         "tables/differences.csv": ("steps minus a baseline's, paired", DIFFERENCE_COLUMNS),
+        "tables/reported.csv": (
+            "where rows of others were imported, a row for each reported and flown policy and metric",
+            REPORTED_COLUMNS,
+        ),
     }
     lines = [
         "# Files",

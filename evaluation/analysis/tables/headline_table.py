@@ -10,6 +10,7 @@ from indoor_explorers.evaluation.analysis.comparability import missing_episodes
 from indoor_explorers.evaluation.analysis.comparison import Comparison
 from indoor_explorers.evaluation.analysis.failures import failed_of
 from indoor_explorers.evaluation.analysis.notes import scenario_notes
+from indoor_explorers.evaluation.analysis.reported import reported_on
 from indoor_explorers.evaluation.analysis.shown_best import BOLD
 from indoor_explorers.evaluation.analysis.tables.policy_cells import (
     best_of,
@@ -20,6 +21,7 @@ from indoor_explorers.evaluation.analysis.tables.policy_cells import (
     short_headings,
 )
 from indoor_explorers.evaluation.analysis.tables.policy_names import footnotes, marked
+from indoor_explorers.evaluation.analysis.tables.reported_table import has_figure, reported_cells
 from indoor_explorers.evaluation.drawing.formatting import decimals_for
 from indoor_explorers.evaluation.drawing.table import Cell, Column, Row, Table, terminal_table, words
 from indoor_explorers.evaluation.harness.results.coverage_threshold import T99, shared, tabled
@@ -64,6 +66,12 @@ def headline_table(results: Results, width: int = WIDE, *, notes: bool = True) -
             cells[len(times) :] = [replace(cell, detail="") for cell in cells[len(times) :]]
             cells += ratio_cells(comparison, policy, to_bound=to_bound, to_reference=known is not None)
             rows.append(_named(comparison, policy, cells))
+        for figures in reported_on(comparison):
+            cells = reported_cells(figures, times)[: len(shown)]
+            cells[len(times) :] = [replace(cell, detail="") for cell in cells[len(times) :]]
+            if has_figure(cells):
+                rows.append(Row(figures.name, cells + [Cell()] * (len(columns) - 1 - len(cells)), "italic"))
+            lines.append(figures.note)
     bounds = {cell.text[0] for row in rows for cell in row.cells if cell.text.startswith((">", "<"))}
     lines += [f"{' and '.join(sorted(bounds))}: a bound, as some episodes never reached it."] if bounds else []
     return terminal_table(Table(columns, rows, notes=lines if notes else ()), sections=True)

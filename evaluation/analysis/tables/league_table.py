@@ -11,8 +11,10 @@ from indoor_explorers.evaluation.analysis.comparison import Comparison
 from indoor_explorers.evaluation.analysis.failures import failed_of
 from indoor_explorers.evaluation.analysis.outliers import far_behind
 from indoor_explorers.evaluation.analysis.ranks import Rank, ranks
+from indoor_explorers.evaluation.analysis.reported import ReportedFigures, reported_on
 from indoor_explorers.evaluation.analysis.shown_best import shown_best
 from indoor_explorers.evaluation.analysis.tables.ratio_table import bounded
+from indoor_explorers.evaluation.analysis.tables.reported_table import figure, success_cell
 from indoor_explorers.evaluation.drawing.dot_plots import Scale, interval_plot
 from indoor_explorers.evaluation.drawing.formatting import (
     counted,
@@ -62,6 +64,8 @@ class LeagueTable:
     """By policy; a cell for each scenario, None where it was not flown."""
     first: str
     """The policy with the lowest mean on the first scenario among those that are ranked; empty if none flew."""
+    reported: list[tuple[str, list[LeagueCell | None]]]
+    """The reported policies that have a time to a threshold, which have no rank."""
 
     @property
     def tested(self) -> bool:
@@ -91,7 +95,28 @@ def league_table(comparisons: Mapping[str, Comparison], styles: Styles) -> Leagu
     cells = [_cells(each, places, styles, width) for each, places in ranked]
     rows = [(name, [column.get(name) for column in cells]) for name in _order(ranked)]
     firsts = [each.ranked_policies[0] if each.groups else "" for each in comparisons.values()]
-    return LeagueTable([_column(section, each) for section, each in comparisons.items()], rows, "".join(firsts[:1]))
+    return LeagueTable(
+        [_column(section, each) for section, each in comparisons.items()],
+        rows,
+        "".join(firsts[:1]),
+        _reported(list(comparisons.values())),
+    )
+
+
+def _reported(comparisons: Sequence[Comparison]) -> list[tuple[str, list[LeagueCell | None]]]:
+    """Return the rows of the policies whose time to the threshold of a scenario was reported."""
+    found = [{each.name: _reported_cell(each) for each in reported_on(comparison)} for comparison in comparisons]
+    names = dict.fromkeys(name for cells in found for name in cells)
+    rows = [(name, [cells.get(name) for cells in found]) for name in names]
+    return [row for row in rows if any(row[1])]
+
+
+def _reported_cell(figures: ReportedFigures) -> LeagueCell | None:
+    key = figures.comparison.level.key
+    cell, late = figure(figures.estimate(key), key), "" if figures.complete(key).all() else AT_LEAST
+    around = cell.detail or "no interval"
+    text, reached = bounded(cell.text, late), success_cell(figures).text
+    return LeagueCell(text, cell.value, around, reached=reached) if key in figures.metrics else None
 
 
 def _column(section: str, comparison: Comparison) -> Column:

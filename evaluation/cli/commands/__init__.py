@@ -12,6 +12,7 @@ from indoor_explorers.evaluation.cli.commands.check import CHECK
 from indoor_explorers.evaluation.cli.commands.compare import COMPARE
 from indoor_explorers.evaluation.cli.commands.demo import DEMO
 from indoor_explorers.evaluation.cli.commands.export import EXPORT
+from indoor_explorers.evaluation.cli.commands.importing import IMPORT
 from indoor_explorers.evaluation.cli.commands.leaderboard import LEADERBOARD
 from indoor_explorers.evaluation.cli.commands.listings import LEARNERS, POLICIES, SCENARIOS
 from indoor_explorers.evaluation.cli.commands.maps import AUDIT, MAPS
@@ -23,6 +24,6 @@ from indoor_explorers.evaluation.cli.commands.watch import WATCH
 
 #: All commands, in the order of the help.
 COMMANDS: tuple[Command[Any], ...] = (
-    *(DEMO, PLAYGROUND, COMPARE, WATCH, REPORT, EXPORT, LEADERBOARD, TRAIN, ABLATE, THESIS),
+    *(DEMO, PLAYGROUND, COMPARE, WATCH, REPORT, IMPORT, EXPORT, LEADERBOARD, TRAIN, ABLATE, THESIS),
     *(POLICIES, SCENARIOS, LEARNERS, SUITES, MAPS, AUDIT, BENCH, CHECK),
 )

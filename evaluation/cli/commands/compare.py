@@ -39,6 +39,7 @@ def run_compare(options: CompareOptions, typed: str) -> int:
     results = fly_and_report(options, typed, console)
     console.print_table(headline_table(results, console.width))
     print_ratios(results, options.ratio_to, console)
+    print_reported(results, console)
     print_notes(results, console)
     print_line(console, f"Report: {options.out / 'report.html'}")
     return print_failures(results, console)
@@ -77,6 +78,15 @@ def print_ratios(results: Results, asked: Sequence[str] | None, console: PlainCo
         ratios = Ratios.of(results, asked)
         for part in (*ratio_lines(ratios), *difference_lines(results, differences(results, ratios.to))):
             console.print_table(part)
+
+
+def print_reported(results: Results, console: PlainConsole) -> None:
+    """Print the reported policies, those of scenarios that were flown beside the flown ones."""
+    from indoor_explorers.evaluation.analysis.tables.reported_table import reported_tables
+    from indoor_explorers.evaluation.drawing.table import terminal_table
+
+    for table in reported_tables(results):
+        console.print_table(terminal_table(table))
 
 
 def print_notes(results: Results, console: Console) -> None:

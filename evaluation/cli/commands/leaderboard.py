@@ -83,13 +83,13 @@ def _refuse_mismatches(folder: str, results: Results, count: int) -> None:
 def _print(board: Board, console: PlainConsole) -> None:
     from indoor_explorers.evaluation.analysis.tables.policy_names import footnotes
     from indoor_explorers.evaluation.drawing.table import terminal_table
-    from indoor_explorers.evaluation.studies.leaderboard.drawing import board_tables
+    from indoor_explorers.evaluation.studies.leaderboard.drawing import board_tables, reported_lines
 
     print_line(console, board.title, "bold")
     for table in board_tables(board):
         console.print_table(terminal_table(table))
     notes: Iterable[str] = footnotes(board.results, list(board.results.policies), times=False)
-    for note in (*notes, *board.left_out, *board.results.map_notes):
+    for note in (*notes, *board.left_out, *board.results.map_notes, *reported_lines(board)):
         print_line(console, note)
 
 

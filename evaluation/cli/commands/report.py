@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Annotated
 
 from indoor_explorers.evaluation.cli.command import Command, make_console, print_line
-from indoor_explorers.evaluation.cli.commands.compare import print_notes, print_ratios
+from indoor_explorers.evaluation.cli.commands.compare import print_notes, print_ratios, print_reported
 from indoor_explorers.evaluation.harness.experiment.request import (
     MARGIN_SHARE,
     PLUGIN_NAMES,
@@ -22,11 +22,11 @@ class ReportOptions(Request):
     """The options of ``report``."""
 
     folders: Annotated[tuple[Path, ...], Option(metavar="DIR", several=True, positional=True)]
-    """Folders written by compare."""
+    """Folders written by compare, or by import."""
     out: Annotated[Path, Option(metavar="FILE.html")]
     """The page to write."""
     against: Annotated[Path | None, Option(metavar="OLD")] = None
-    """Also show what changed since the results in this folder."""
+    """Also show what changed since the results in this folder; reported rows alone are shown beside."""
     ratio_to: Annotated[tuple[str, ...] | None, POLICY_NAMES] = None
     """Print steps divided by those of these policies on the same tasks, and minus them. The page always has ratios;
     by default to frontier-nearest, or else the first policy, and to policies that know the map."""
@@ -46,7 +46,10 @@ class ReportOptions(Request):
 
 
 def run_report(options: ReportOptions, typed: str) -> int:
-    """Rebuild a report from one folder, or combine several; print what changed against old results."""
+    """Rebuild a report from one folder, or combine several; print what changed against old results.
+
+    Reported rows alone are printed, without a page.
+    """
     from indoor_explorers.env.errors import InputError
     from indoor_explorers.evaluation.analysis.against import against_lines, compare_with
     from indoor_explorers.evaluation.harness.results.combine import combined
@@ -54,11 +57,19 @@ def run_report(options: ReportOptions, typed: str) -> int:
     from indoor_explorers.evaluation.harness.results.results import Results
     from indoor_explorers.evaluation.report import write_report
 
-    whole = combined([Results.load(folder, options.plugins) for folder in options.folders])
+    parts = [Results.load(folder, options.plugins) for folder in options.folders]
+    old = None if options.against is None else Results.load(options.against)
+    if old is not None and not old.scenarios:  # reported rows alone are no older results of the same policies
+        parts, old = [*parts, old], None
+    whole, console = combined(parts), make_console()
+    if whole.reported and not whole.scenarios:
+        print_reported(whole, console)
+        print_line(console, "No page: it needs flown results of a scenario beside these rows: report DIR FLOWN --out")
+        return 0
     results = with_metrics(whole, options.metrics)
     if options.margin is not None:
         results = replace(results, margin=options.margin)
-    against = None if options.against is None else compare_with(results, Results.load(options.against))
+    against = None if old is None else compare_with(results, old)
     if against is not None and not against.identities:
         raise InputError(
             f"--against {options.against}: expected results of the same tasks, got none in both; "
@@ -80,10 +91,10 @@ def run_report(options: ReportOptions, typed: str) -> int:
     except OSError as error:
         where = error.filename or options.out
         raise InputError(f"{where}: cannot be written: {error.strerror}; choose another --out or --exports") from error
-    console = make_console()
     for part in against_lines(against, console.width) if against is not None else ():
         console.print_table(part)
     print_ratios(results, options.ratio_to, console)
+    print_reported(results, console)
     print_notes(results, console)
     print_line(console, f"Report: {options.out}")
     return 0

@@ -12,10 +12,12 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from indoor_explorers.evaluation.analysis.comparison import Comparison
+from indoor_explorers.evaluation.analysis.panels.reported_chart import reported_charts
 from indoor_explorers.evaluation.drawing.formatting import slug
 from indoor_explorers.evaluation.drawing.palette import policy_styles
 from indoor_explorers.evaluation.drawing.print_style import print_style, save
 from indoor_explorers.evaluation.exports.figures.panel_figures import scenario_figures, sweep_figures
+from indoor_explorers.evaluation.exports.figures.reported_figure import reported_figure
 from indoor_explorers.evaluation.exports.figures.scenario_figures import coverage_figure, times_figure
 from indoor_explorers.evaluation.harness.results.results import Results
 
@@ -35,6 +37,8 @@ def write_figures(results: Results, folder: Path) -> list[Path]:
                 paths += save(times_figure(comparison, styles), folder, f"{stem}-{'-'.join(comparison.level.times)}")
                 for name, figure in scenario_figures(comparison, styles):
                     paths += save(figure, folder, f"{stem}-{name}")
+                for place, chart in enumerate(reported_charts(comparison, styles), 1):
+                    paths += save(reported_figure(chart, comparison.title), folder, f"{stem}-reported-{place}")
         for name, figure in sweep_figures(results, styles):
             paths += save(figure, folder, name)
     return paths

@@ -10,6 +10,7 @@ import numpy as np
 from indoor_explorers.env import InputError
 from indoor_explorers.evaluation.harness.episodes.record import Record
 from indoor_explorers.evaluation.harness.experiment.experiment import Task
+from indoor_explorers.evaluation.harness.reported.rows import joined
 from indoor_explorers.evaluation.harness.results.fingerprints import comparable
 from indoor_explorers.evaluation.harness.results.policy_version import differing_fields, version_difference
 from indoor_explorers.evaluation.harness.results.results import Results
@@ -27,9 +28,10 @@ def combined(parts: Sequence[Results]) -> Results:
     """
     for one, other in combinations(parts, 2):
         _refuse_unlike(one, other)
-    whole = parts[0]
-    for part in parts[1:]:
+    whole, *others = sorted(parts, key=lambda part: not part.scenarios)  # reported rows alone come last
+    for part in others:
         whole = _joined(whole, part)
+    joined(whole.reported, whole.policies)
     return whole
 
 
@@ -45,6 +47,7 @@ def _joined(one: Results, other: Results) -> Results:
         {**other.retries, **one.retries},
         margin=one.margin,
         plugins=one.plugins | other.plugins,
+        reported=joined(one.reported + other.reported),
     )
 
 

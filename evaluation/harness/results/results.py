@@ -22,6 +22,7 @@ from indoor_explorers.evaluation.harness.episodes.record import Outcome, Record,
 from indoor_explorers.evaluation.harness.episodes.resimulate import recorded_scenario
 from indoor_explorers.evaluation.harness.episodes.steps import StepFacts
 from indoor_explorers.evaluation.harness.experiment.experiment import MARGIN, Task, declared_margin
+from indoor_explorers.evaluation.harness.reported.rows import ReportedPolicy, joined, read_reported
 from indoor_explorers.evaluation.harness.results.coverage_threshold import CoverageThreshold, applies_to, threshold_of
 from indoor_explorers.evaluation.harness.results.fingerprints import refuse_other_fingerprints
 from indoor_explorers.evaluation.harness.results.notes import ResultNotes
@@ -60,6 +61,8 @@ class Results(ResultNotes):
 
     plugins: frozenset[str] = frozenset()
     """What may be imported of the models and policies from outside this package that the results name."""
+    reported: tuple[ReportedPolicy, ...] = ()
+    """Policies that others flew, whose rows were imported; they have no records and take part in no test."""
 
     @property
     def measures(self) -> Mapping[str, Measure]:
@@ -68,19 +71,23 @@ class Results(ResultNotes):
 
     @classmethod
     def load(cls, folder: Path, plugins: Iterable[str] = ()) -> Results:
-        """Read ``folder/results.db``, which imports nothing; see ``plugins``."""
-        path = folder / "results.db"
+        """Read ``folder/results.db``, which imports nothing (see ``plugins``), and the reported rows beside it."""
+        path, reported = folder / "results.db", read_reported(folder)
         if not path.is_file():
+            if reported:
+                return cls({}, {}, [], [], reported=reported)
             raise InputError(f"{folder}: expected a folder with a results.db in it, got none; fly compare --out first")
         with StoreReader(path) as store:
             text = store.experiment()
             experiments = (text,) if text else ()
             records, scenarios = store.records(), store.scenarios()
             refuse_other_fingerprints(path, scenarios, records)
+            policies = store.policies()
             return cls(
-                *(store.policies(), scenarios, store.runs(), records, experiments, store.notes(), store.retries()),
+                *(policies, scenarios, store.runs(), records, experiments, store.notes(), store.retries()),
                 margin=declared_margin(text),
                 plugins=frozenset(plugins),
+                reported=joined(reported, policies),
             )
 
     def scenario(self, name: str) -> Scenario:

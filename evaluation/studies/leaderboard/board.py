@@ -12,6 +12,7 @@ from indoor_explorers.evaluation.analysis.comparison import Comparison
 from indoor_explorers.evaluation.analysis.ranks import Rank, ranks
 from indoor_explorers.evaluation.harness.episodes.stored_names import refusal
 from indoor_explorers.evaluation.harness.experiment.selection import DEFAULT_BASELINE
+from indoor_explorers.evaluation.harness.reported.rows import joined
 from indoor_explorers.evaluation.harness.results.combine import combined, scenario_difference
 from indoor_explorers.evaluation.harness.results.ratios import RatioRow, Ratios
 from indoor_explorers.evaluation.harness.results.results import Results
@@ -121,7 +122,13 @@ def boards(parts: Sequence[Part], fly: int = 0) -> list[Board]:
 
     """
     found: dict[tuple[str, ...], list[Part]] = {}
-    for folder, results in parts:
+    reported = joined(policy for _, results in parts for policy in results.reported)
+    flown = [(folder, results) for folder, results in parts if results.scenarios or not results.reported]
+    if not flown:
+        raise InputError(
+            f"{parts[0][0]}: expected flown results to rank, got reported rows alone; add a folder of them"
+        )
+    for folder, results in flown:
         run = results.suite_run
         key = tuple(sorted(results.scenarios)) if run is None else (run.suite.name, run.part)
         found.setdefault(key, []).append((folder, results))
@@ -129,7 +136,10 @@ def boards(parts: Sequence[Part], fly: int = 0) -> list[Board]:
     for group, another in combinations(of_no_suite, 2):
         for one, other in product(group, another):
             _refuse_one_title(one, other)
-    return [_board(group, fly) for group in found.values()]
+    made = [_board([(folder, replace(each, reported=())) for folder, each in group], fly) for group in found.values()]
+    return [
+        replace(each, results=replace(each.results, reported=joined(reported, each.results.policies))) for each in made
+    ]
 
 
 def _refuse_one_title(one: Part, other: Part) -> None:

@@ -4,12 +4,19 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 from indoor_explorers.env.errors import one_line
 from indoor_explorers.evaluation.analysis.comparison import Comparison
+from indoor_explorers.evaluation.analysis.reported import MARK, reported_on
 from indoor_explorers.evaluation.analysis.tables.policy_cells import result_cells
 from indoor_explorers.evaluation.analysis.tables.policy_names import footnotes, marked
 from indoor_explorers.evaluation.analysis.tables.ratio_table import bounded
+from indoor_explorers.evaluation.analysis.tables.reported_table import (
+    has_figure,
+    reported_cells,
+    reported_table,
+)
 from indoor_explorers.evaluation.drawing.formatting import (
     counted,
     decimals_for,
@@ -46,8 +53,18 @@ def legend(fly: int) -> str:
 
 
 def board_tables(board: Board, *, page: bool = False) -> list[Table]:
-    """Return a table for each scenario of a leaderboard, for the terminal, or with all that a page has room for."""
-    return [_table(board, comparison, page) for comparison in board.comparisons]
+    """Return a table for each scenario of a leaderboard, for the terminal, or with all that a page has room for.
+
+    Tables of reported policies beside the flown ones come last.
+    """
+    beside = [reported_table(figures) for comparison in board.comparisons for figures in reported_on(comparison)]
+    tables = [_table(board, comparison, page) for comparison in board.comparisons]
+    return tables + [replace(table, notes=()) for table in beside]
+
+
+def reported_lines(board: Board) -> list[str]:
+    """Return a line for each reported policy of each scenario."""
+    return [figures.note for comparison in board.comparisons for figures in reported_on(comparison)]
 
 
 def _table(board: Board, comparison: Comparison, page: bool) -> Table:
@@ -62,6 +79,11 @@ def _table(board: Board, comparison: Comparison, page: bool) -> Table:
         cells = _cells(comparison, row, times) + ([Cell(row.origin.flown)] if several else [])
         rank = row.rank.text if row.rank else ""
         rows.append(Row(rank, cells if page else [Cell(one_line(cell.line, LONGEST_CELL)) for cell in cells]))
+    for figures in reported_on(comparison):
+        *steps, reached, _, auc, _ = reported_cells(figures, times, _decimals)
+        if has_figure([*steps, reached, auc]):
+            cells = [Cell(figures.name), *steps, Cell(), Cell(reached.text), Cell(auc.text)]
+            rows.append(Row(MARK, cells + [Cell()] * several))
     return Table(columns, rows, f"{comparison.title}: {counted(tasks, 'task')} on {comparison.maps_flown}")
 
 
@@ -109,7 +131,7 @@ def _page(boards: Sequence[Board]) -> Iterator[str]:
                 yield line(_unbroken(escaped(text)) for text in (rank, *(cell.line for cell in cells)))
             yield ""
         notes = [*footnotes(board.results, list(board.results.policies), times=False), *board.left_out]
-        yield from (f"{escaped(note)}\n" for note in (*notes, *board.results.map_notes))
+        yield from (f"{escaped(note)}\n" for note in (*notes, *board.results.map_notes, *reported_lines(board)))
         origins = list(dict.fromkeys(board.origins.values()))
         commands = dict.fromkeys(_portable(each) for origin in origins for each in origin.commands if each)
         machines = dict.fromkeys(each for origin in origins for each in origin.machines)
