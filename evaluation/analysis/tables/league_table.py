@@ -15,6 +15,7 @@ from indoor_explorers.evaluation.analysis.shown_best import shown_best
 from indoor_explorers.evaluation.analysis.tables.ratio_table import bounded
 from indoor_explorers.evaluation.drawing.dot_plots import Scale, interval_plot
 from indoor_explorers.evaluation.drawing.formatting import (
+    EN_DASH,
     counted,
     decimals_for,
     fixed,
@@ -62,6 +63,11 @@ class LeagueTable:
     """By policy; a cell for each scenario, None where it was not flown."""
     first: str
     """The policy with the lowest mean on the first scenario among those that are ranked; empty if none flew."""
+
+    def reached(self, cells: Sequence[LeagueCell | None]) -> str:
+        """Return the shares of tasks that reached the threshold, by scenario; a single one where they are the same."""
+        shares = [cell.reached if cell else EN_DASH for cell in cells]
+        return shares[0] if len(set(shares)) == 1 else " / ".join(shares)
 
     @property
     def tested(self) -> bool:
