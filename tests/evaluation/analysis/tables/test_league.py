@@ -75,7 +75,7 @@ def test_a_mean_with_episodes_that_never_reached_it_is_a_bound() -> None:
 
 
 def test_every_policy_has_the_share_of_tasks_that_reached_it_on_each_scenario() -> None:
-    times = {"quick": [20.0, 21.0], "rare": [None, 60.0]}
+    times: dict[str, list[float | None]] = {"quick": [20.0, 21.0], "rare": [None, 60.0]}
     rooms = [room("one"), room("other")]
     records = [
         made_up(name, Task(each.name, 0, seed), 20.0 if each.name == "other" else late)
