@@ -214,9 +214,8 @@ class ModeFlight(NamedTuple):
     steps: int
     """Steps flown: up to the one after which all were finished, or the budget."""
     agent: int
-    """The UAV that knows the smallest share of the cells that it can reach; UAVs that have stopped do not count."""
+    """The UAV whose ``share`` of known cells, of those that it can reach, is the smallest; stopped ones do not count."""
     share: float
-    """That share."""
     trace: Trace
 
     @property
