@@ -41,6 +41,10 @@ class Differs(Violation):
     """Report choices that should have been the same."""
 
 
+class Warned(str):
+    """The finding of a check that passed, about something that its author should look at."""
+
+
 class Finding(NamedTuple):
     """The result of one check."""
 
@@ -56,6 +60,8 @@ class Finding(NamedTuple):
     """The violation; None for a check that passed."""
     conclusive: bool = True
     """False for a check without a result: an earlier finding explains its failure, or it cannot be run."""
+    warned: bool = False
+    """Whether the policy passed with a warning."""
 
     @property
     def fix(self) -> str:

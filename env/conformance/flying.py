@@ -145,15 +145,21 @@ class CheckedFlight:
             raise CannotFly(f"expected policy.pilot to return a Pilot, got {shown(pilot)}", "subclass Pilot")
         return pilot
 
-    def fly(self, steps: int) -> list[Trace]:
-        """Fly at most ``steps`` steps and return the trace of each episode.
+    @property
+    def world(self) -> World:
+        """The world, for reading."""
+        return self._world
+
+    def fly(self, steps: int, until: Callable[[World], bool] | None = None) -> list[Trace]:
+        """Fly at most ``steps`` steps, or until the world is as asked, and return the trace of each episode.
 
         Raises:
             CannotFly: the policy raises, answers for another number of UAVs, or changes a view.
 
         """
         for _ in islice(rollout(self._world, self._decided), steps):
-            pass
+            if until is not None and until(self._world):
+                break
         self._debrief()
         return self.traces
 

@@ -11,7 +11,8 @@ from indoor_explorers.env.conformance.determinism import (
     check_pickling,
     check_repeatable,
 )
-from indoor_explorers.env.conformance.findings import CannotFly, Differs, Finding, Violation
+from indoor_explorers.env.conformance.failure_modes import check_failure_modes
+from indoor_explorers.env.conformance.findings import CannotFly, Differs, Finding, Violation, Warned
 from indoor_explorers.env.conformance.harness import Harness
 from indoor_explorers.env.conformance.information_leaks import (
     check_generator,
@@ -73,6 +74,7 @@ CHECKS: dict[str, Callable[[Harness], str]] = {
     "map of the seed": check_seed,
     "map generator": check_generator,
     "unlinked teammates": check_unlinked,
+    "failure modes": check_failure_modes,
     "latency": report_latency,
     LARGE: report_large_latency,
 }
@@ -97,7 +99,8 @@ def run_checks(policy: Policy, names: Iterable[str] = CHECKS) -> Iterator[Findin
             text, error = CHECKS[name](harness), None
         except Violation as violation:
             text, error = violation.found, violation
-        finding = Finding(name, error is None, text, time.perf_counter() - start, error)
+        seconds = time.perf_counter() - start
+        finding = Finding(name, error is None, text, seconds, error, warned=isinstance(text, Warned))
         earlier[name] = finding
         yield _explained(finding, earlier)
 

@@ -58,16 +58,23 @@ def print_findings(console: Console, findings: Sequence[Finding]) -> None:
         table.add_row(_mark(finding, console.options.ascii_only), Text(finding.name), _found(finding))
     console.print(Padding(table, (0, 0, 1, _INDENT), expand=False), highlight=False)
     passed, seconds = sum(finding.passed for finding in findings), sum(finding.seconds for finding in findings)
-    style = "bold red" if any(finding.error for finding in findings) else "bold green"
-    summary = Text(f"{passed} of {len(findings)} checks passed", style=style).append(
+    style, warned = "bold red" if any(finding.error for finding in findings) else "bold green", _warned(findings)
+    summary = Text(f"{passed} of {len(findings)} checks passed{warned}", style=style).append(
         f" in {seconds:.1f} s", style="dim"
     )
     console.print(Padding(summary, (0, 0, 0, _INDENT), expand=False), highlight=False)
 
 
+def _warned(findings: Sequence[Finding]) -> str:
+    count = sum(finding.warned for finding in findings)
+    return f", {count} with a warning" if count else ""
+
+
 def _mark(finding: Finding, plain: bool) -> Text:
     """Return a tick or a cross with a word beside it, so that colours are not needed."""
-    if finding.passed:
+    if finding.warned:
+        sign, word, style = "! ", "warning", "yellow"
+    elif finding.passed:
         sign, word, style = "\N{CHECK MARK} ", "ok", "green"
     elif finding.conclusive:
         sign, word, style = "\N{BALLOT X} ", "FAILED", "bold red"

@@ -7,13 +7,15 @@ from typing import Any
 
 import pandas as pd
 
-from indoor_explorers.evaluation.drawing.formatting import EN_DASH, with_interval
+from indoor_explorers.evaluation.drawing.formatting import EN_DASH, percent, with_interval
 from indoor_explorers.evaluation.harness.episodes.metrics import MEASURES
 from indoor_explorers.evaluation.harness.results.results import SUMMARY_COLUMNS
 from indoor_explorers.evaluation.statistics import Estimate
 
 #: The metrics that are printed.
 PRINTED = ("t90", "t99", "auc")
+#: The printed share of episodes that reach the threshold of a time.
+REACHED, REACHED_TIME = "99 % reached", "t99"
 
 
 class SummaryTable(pd.DataFrame):  # type: ignore[misc]  # pandas ships no types
@@ -31,7 +33,7 @@ class SummaryTable(pd.DataFrame):  # type: ignore[misc]  # pandas ships no types
         return self._spread(metrics, lambda row: row["mean"])
 
     def __repr__(self) -> str:
-        """Return T90, T99 and AUC of each policy with their intervals, as text."""
+        """Return T90, T99 and AUC of each policy with their intervals, and the share that reached 99 %, as text."""
         return str(self._printed().to_string()) if self._is_whole() else str(super().__repr__())
 
     def _repr_html_(self) -> Any:
@@ -42,7 +44,10 @@ class SummaryTable(pd.DataFrame):  # type: ignore[misc]  # pandas ships no types
 
     def _printed(self) -> pd.DataFrame:
         titles = {name: MEASURES[name].title for name in PRINTED}
-        return self._spread(PRINTED, _cell).rename(columns=titles).fillna(EN_DASH)
+        printed = self._spread(PRINTED, _cell)
+        reached = self._spread(PRINTED, lambda row: percent(row["success"]))[REACHED_TIME]
+        printed.insert(PRINTED.index(REACHED_TIME) + 1, REACHED, reached)
+        return printed.rename(columns=titles).astype(object).fillna(EN_DASH)
 
     def _spread(self, metrics: Sequence[str], cell: Any) -> pd.DataFrame:
         kept = self[self["metric"].isin(metrics)]

@@ -10,13 +10,14 @@ from typing import Any
 import numpy as np
 
 from indoor_explorers.env import Scenario, make_policy, scenario
+from indoor_explorers.env.conformance import FAILURE_MODES, fly_failure_mode
 from indoor_explorers.env.scenarios.presets import on_files
 from indoor_explorers.evaluation.harness.episodes.metrics import WASTED, tolerated_steps
 from indoor_explorers.evaluation.harness.episodes.record import Outcome, Record
 from indoor_explorers.evaluation.harness.episodes.runner import fly
 from indoor_explorers.evaluation.harness.episodes.stalling import longest_run, to_and_fro
 from indoor_explorers.evaluation.harness.experiment.experiment import Task
-from tests.behaviour.worlds import BUDGET, WORLDS, Settings
+from tests.behaviour.worlds import BUDGET, RADIOS, WORLDS, Settings
 
 #: Makes the policy that loses UAV 0 of the one named.
 LOST_UAV = "tests.behaviour.lost_uav"
@@ -72,6 +73,37 @@ class Case:
         task = self.scenario
         (record,) = fly(make_policy(self.policy), self.policy, task, [Task(task.name, 0, self.seed)])
         return record
+
+    def problems(self) -> list[str]:
+        """Fly it, and name what the policy did wrong."""
+        return violations(self.fly())
+
+
+@dataclass(frozen=True)
+class FailureCase:
+    """One failure mode that users report, flown with a radio."""
+
+    policy: str
+    mode: str
+    radio: str
+    seed: int
+
+    @property
+    def title(self) -> str:
+        """What it is, in short."""
+        return f"{self.policy} in {self.mode}, radio {self.radio}"
+
+    def command(self) -> str:
+        """Return the command that shows it."""
+        words = ["--policies", self.policy, "--worlds", "", "--modes", self.mode, "--radios", self.radio]
+        return shlex.join(["python", "-m", "tests.behaviour.soak", *words, "--seed", str(self.seed)])
+
+    def problems(self) -> list[str]:
+        """Fly it, and name what the policy did wrong: a violation of the contract, or what it did not finish."""
+        (mode,) = (mode for mode in FAILURE_MODES if mode.name == self.mode)
+        flight = fly_failure_mode(make_policy(self.policy), mode, radio=RADIOS[self.radio], seed=self.seed)
+        found = [str(violation) for violation in flight.trace.violations.values()]
+        return found if flight.finished else [*found, f"unfinished: UAV {flight.agent} knew {int(100 * flight.share)} %"]
 
 
 def violations(record: Record) -> list[str]:

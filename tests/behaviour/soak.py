@@ -4,6 +4,7 @@
 
     python -m tests.behaviour.soak --policies pso --maps floor.yaml --resolution 0.25
 
+The failure modes of :mod:`indoor_explorers.env.conformance.failure_modes` are flown with every radio.
 :func:`~tests.behaviour.episodes.violations` defines misbehaviour. Each such episode is listed with the command that
 shows it. The exit status is 1 when there is any.
 """
@@ -16,24 +17,31 @@ import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from itertools import product
 from pathlib import Path
 
-from tests.behaviour.episodes import LOST_UAV, Case, violations
+from indoor_explorers.env.conformance import FAILURE_MODES
+from tests.behaviour.episodes import LOST_UAV, Case, FailureCase
 from tests.behaviour.policies import EXPLORERS
 from tests.behaviour.worlds import FACTORS, RADIOS, SMALL, WORLDS, Settings, write_maps
 
+AnyCase = Case | FailureCase
 
-def judged(case: Case) -> tuple[Case, list[str]]:
+
+def judged(case: AnyCase) -> tuple[AnyCase, list[str]]:
     """Fly a case in a worker."""
     try:
-        return case, violations(case.fly())
+        return case, case.problems()
     except Exception as error:  # whatever a policy does, the others are flown
         return case, [f"{type(error).__name__}: {error}"]
 
 
-def cases(arguments: argparse.Namespace) -> Iterator[Case]:
+def cases(arguments: argparse.Namespace) -> Iterator[AnyCase]:
     """Yield the episodes of every policy."""
     for policy in arguments.policies or EXPLORERS:
+        for mode, radio in product(arguments.modes, [radio for radio in arguments.radios if radio != "each"]):
+            for seed in range(arguments.seed, arguments.seed + arguments.seeds):
+                yield FailureCase(policy, mode, radio, seed)
         for team, settings in _teams(arguments):
             for seed in range(arguments.seed, arguments.seed + arguments.seeds):
                 yield from _on_every_map(arguments, policy, team, settings, seed)
@@ -61,15 +69,21 @@ def _teams(arguments: argparse.Namespace) -> Iterator[tuple[int, Settings]]:
                     yield team, {"spawn": spawn, **settings}
 
 
+def _words(text: str) -> list[str]:
+    return [word for word in text.split(",") if word]
+
+
 def parser() -> argparse.ArgumentParser:
     """Return the parser of the arguments."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--policies", type=lambda text: text.split(","), metavar="a,b", help="default: all registered")
-    parser.add_argument("--worlds", type=lambda text: text.split(","), default=list(WORLDS), metavar="a,b")
+    parser.add_argument("--policies", type=_words, metavar="a,b", help="default: all registered")
+    parser.add_argument("--worlds", type=_words, default=list(WORLDS), metavar="a,b")
+    modes = [mode.name for mode in FAILURE_MODES]
+    parser.add_argument("--modes", type=_words, default=modes, metavar="a,b", help="failure modes to fly; '' for none")
     parser.add_argument("--maps", nargs="+", default=[], metavar="PATH", help="map files to fly on as well")
     parser.add_argument("--resolution", type=float, metavar="METRES", help="of those files")
     parser.add_argument("--teams", type=lambda text: [int(n) for n in text.split(",")], default=[1, 2, 4, 8, 16])
-    parser.add_argument("--radios", type=lambda text: text.split(","), default=list(RADIOS), metavar="a,b")
+    parser.add_argument("--radios", type=_words, default=list(RADIOS), metavar="a,b")
     parser.add_argument("--seed", type=int, default=0, metavar="S", help="first seed")
     parser.add_argument("--seeds", type=int, default=1, metavar="N", help="episodes of each kind")
     parser.add_argument("--workers", type=int, default=os.cpu_count(), metavar="N")
@@ -77,7 +91,7 @@ def parser() -> argparse.ArgumentParser:
     return parser
 
 
-def report(found: Sequence[tuple[Case, list[str]]]) -> None:
+def report(found: Sequence[tuple[AnyCase, list[str]]]) -> None:
     """Print how often each policy misbehaved and how."""
     counts = Counter((case.policy, problem.split(" ")[0]) for case, problems in found for problem in problems)
     for (policy, kind), count in sorted(counts.items()):

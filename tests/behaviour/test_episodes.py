@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from itertools import combinations
 from pathlib import Path
 from typing import Any
@@ -13,8 +14,9 @@ from indoor_explorers.env import make_policy, policy_names
 from indoor_explorers.env.policies.registry import policy_entry_points
 from indoor_explorers.evaluation.harness.episodes.record import Outcome
 from tests.behaviour.covering import pairwise
-from tests.behaviour.episodes import LOST_UAV, Case, violations
+from tests.behaviour.episodes import LOST_UAV, Case, FailureCase, violations
 from tests.behaviour.policies import ALIASES, CLASSES, POLICIES
+from tests.behaviour.soak import cases, parser
 from tests.behaviour.worlds import FACTORS, KINDS, WORLDS, covering_array
 
 ROOM: dict[str, Any] = {"world": "room", "source": "thesis-obstacles", "seed": 0}
@@ -58,6 +60,14 @@ def test_what_misbehaves_is_found():
     assert "indoor-explorers watch --policy tests.evaluation.plugins:Still" in still.command()
     wrong = Case("tests.evaluation.plugins:WrongAction", **ROOM, team=1, settings={})
     assert violations(wrong.fly())[0].startswith("failed: ")
+
+
+def test_what_does_not_finish_a_failure_mode_is_found():
+    still = FailureCase("tests.evaluation.plugins:Still", "mate-in-doorway", "none", seed=3)
+    assert still.problems()[0].startswith("unfinished: UAV ")
+    assert still.command().endswith("--modes mate-in-doorway --radios none --seed 3")
+    arguments = parser().parse_args(shlex.split(still.command())[3:])
+    assert list(cases(arguments)) == [still]
 
 
 def test_a_lost_uav_has_ended_and_the_others_fly_on():

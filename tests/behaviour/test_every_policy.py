@@ -15,12 +15,13 @@ import numpy as np
 import pytest
 
 from indoor_explorers.env import PRESETS, Scenario, check_policy, make_policy
+from indoor_explorers.env.conformance import FAILURE_MODES
 from indoor_explorers.env.maps.sources import FileMaps
 from indoor_explorers.evaluation.harness.episodes.record import Outcome, Record
 from indoor_explorers.evaluation.harness.episodes.runner import fly
 from indoor_explorers.evaluation.harness.experiment.experiment import Task
-from tests.behaviour.episodes import LOST_UAV, MOST_DITHER, Case, longest_dither, violations
-from tests.behaviour.policies import EXPLORERS, POLICIES, parametrized
+from tests.behaviour.episodes import LOST_UAV, MOST_DITHER, Case, FailureCase, longest_dither, violations
+from tests.behaviour.policies import EXPLORERS, POLICIES, UNRELIABLE, parametrized
 from tests.behaviour.worlds import RADIOS, covering_array, small_maps
 from tests.planners import flights
 
@@ -65,8 +66,9 @@ def assert_well_flown(records: Sequence[Record]) -> None:
 @parametrized(POLICIES, slow=SLOW_CONFORMANCE)
 def test_it_passes_the_conformance_suite(name):
     policy = make_policy(name)
-    hidden = check_policy(policy)["no hidden knowledge"]
-    assert hidden.endswith("knows the true map" if policy.privileged else "changed nothing")
+    found = check_policy(policy)
+    assert found["no hidden knowledge"].endswith("knows the true map" if policy.privileged else "changed nothing")
+    assert found["failure modes"].startswith("all 9 finished") or name in UNRELIABLE
 
 
 @parametrized(EXPLORERS, slow=["prm-tour", *AS_FRONTIER, *BY_ESTIMATES])
@@ -89,6 +91,13 @@ def test_the_others_go_on_without_a_lost_uav(name: str, world: str, map_files: P
     settings = {**RADIOS["disc"], "spawn": "clustered", "on_collision": "end"}
     case = Case.on(world, map_files, f"{LOST_UAV}:{name}", 3, settings, seed=4)
     assert violations(case.fly()) == [], case.command()
+
+
+@every_explorer
+@pytest.mark.parametrize("radio", ["none", pytest.param("disc", marks=pytest.mark.slow)])
+def test_it_finishes_the_failure_modes_that_users_report(name: str, radio: str) -> None:
+    cases = [FailureCase(name, mode.name, radio, seed=12) for mode in FAILURE_MODES]
+    assert {case.command(): case.problems() for case in cases} == {case.command(): [] for case in cases}
 
 
 @every_explorer

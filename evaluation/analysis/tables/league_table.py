@@ -17,6 +17,7 @@ from indoor_explorers.evaluation.analysis.tables.ratio_table import bounded
 from indoor_explorers.evaluation.analysis.tables.reported_table import figure, success_cell
 from indoor_explorers.evaluation.drawing.dot_plots import Scale, interval_plot
 from indoor_explorers.evaluation.drawing.formatting import (
+    EN_DASH,
     counted,
     decimals_for,
     fixed,
@@ -66,6 +67,11 @@ class LeagueTable:
     """The policy with the lowest mean on the first scenario among those that are ranked; empty if none flew."""
     reported: list[tuple[str, list[LeagueCell | None]]]
     """The reported policies that have a time to a threshold, which have no rank."""
+
+    def reached(self, cells: Sequence[LeagueCell | None]) -> str:
+        """Return the shares of tasks that reached the threshold, by scenario; a single one where they are the same."""
+        shares = [cell.reached if cell else EN_DASH for cell in cells]
+        return shares[0] if len(set(shares)) == 1 else " / ".join(shares)
 
     @property
     def tested(self) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.grid.arrays import Cell, Distances, Mask
+from indoor_explorers.env.grid.arrays import Belief, Cell, Distances, Mask
 from indoor_explorers.env.grid.cells import MOVES
 from indoor_explorers.env.policies.renamed import renamed_property
 from indoor_explorers.env.policies.view import Briefing, View
@@ -16,6 +16,7 @@ from indoor_explorers.planners.toolbox.navigation.straight_paths import straight
 #: Steps for which a goal that could not be reached is banned.
 BAN_STEPS = 50
 #: Longest detour around a teammate: this factor times the length of the path that it replaces, plus this many cells.
+#: Once every goal was banned, as behind a teammate that has stopped, any length is taken until the map grows.
 DETOUR_FACTOR, DETOUR_CELLS = 1.5, 4
 
 _ACTIONS = {(int(row), int(col)): action for action, (row, col) in enumerate(MOVES)}
@@ -56,6 +57,8 @@ class Navigator:
         self._at = 0
         self._deadline = 0
         self._bans: dict[Cell, int] = {}
+        self._all_banned = False
+        """Whether every goal was banned since the map has last grown."""
         self._settled = False
         self._own_field: tuple[int, Cell, Distances] | None = None
 
@@ -88,6 +91,7 @@ class Navigator:
         self.map_grew, self.known = known != self.known, known
         self.recent = [*self.recent[-3:], view.cell]
         self._settled = self._settled or self.oscillates
+        self._all_banned = self._all_banned and not self.map_grew
         self._own_field = None
 
     def steps_from(self, view: View, cell: Cell) -> Distances:
@@ -121,17 +125,27 @@ class Navigator:
 
     def lift_bans(self) -> bool:
         """Remove all bans; return whether there were any."""
-        banned, self._bans = bool(self._bans), {}
-        return banned
+        self._all_banned, self._bans = bool(self._bans), {}
+        return self._all_banned
 
     def near_banned(self, view: View, cells: NDArray[np.int32]) -> Mask:
-        """Return which of (K,) flat cells are too close to a banned goal, (K,) bool."""
-        return near_any(cells, self.paths.flat(self.banned(view)), self.paths.width)
+        """Return which of (K,) flat cells are too close to a banned goal, (K,) bool.
+
+        Once every goal was banned, only the goals themselves are, as the last unknown cells may be beside one of them.
+        """
+        banned = self.paths.flat(self.banned(view))
+        return np.isin(cells, banned) if self._all_banned else near_any(cells, banned, self.paths.width)
 
     def nearest_frontier(self, view: View) -> Cell | None:
         """Return the frontier cell with the shortest known path, drawn at random among equals; None if unreachable."""
-        path = self.paths.to_frontier(view.belief, view.cell, self._rng, self.banned(view))
+        path = self._to_frontier(view, view.belief, self.banned(view))
         return path[-1] if path else None
+
+    def _to_frontier(self, view: View, passable: Belief, banned: list[Cell]) -> list[Cell] | None:
+        """Return a shortest path on a (H, W) belief to a frontier cell that is not too close to a banned goal."""
+        if self._all_banned:
+            passable, banned = without(passable, banned), []
+        return self.paths.to_frontier(passable, view.cell, self._rng, banned)
 
     def find_path(self, view: View) -> None:
         """Plan a new path to the goal."""
@@ -180,8 +194,10 @@ class Navigator:
     def _goes_round(self, view: View) -> bool:
         left = len(self._path) - self._at
         around = self.paths.to(view.belief, view.cell, self.goal, self.deadlock.barred(view)) if self.goal else None
-        if not around or len(around) > DETOUR_FACTOR * left + DETOUR_CELLS:
+        if not around or (not self._all_banned and len(around) > DETOUR_FACTOR * left + DETOUR_CELLS):
             return False
+        if self._all_banned:
+            self._deadline = view.step + 2 * len(around)
         self.follow(around)
         return True
 
@@ -190,7 +206,7 @@ class Navigator:
         passable = without(view.belief, self.deadlock.barred(view))
         farthest = len(self._path) - self._at + self._lidar_range
         others = [*self.banned(view), *([self.goal] if self.goal else [])]
-        path = self.paths.to_frontier(passable, view.cell, self._rng, others)
+        path = self._to_frontier(view, passable, others)
         if not path or len(path) > farthest:
             return False
         self._bans.update(dict.fromkeys(others[-1:], view.step + BAN_STEPS))

@@ -24,8 +24,9 @@ def test_a_policy_that_passes_gets_its_facts_a_row_for_each_check_and_status_0(c
     assert re.search(r"parameters +speed=1", printed)
     assert re.search(r"knows +its view and briefing alone", printed)
     for name in CHECKS:
-        assert re.search(rf"ok +{re.escape(name)}  ", printed), name
-    assert f"{len(CHECKS)} of {len(CHECKS)} checks passed in " in printed
+        mark = "! warning" if name == "failure modes" else "ok"  # it wanders too slowly to finish
+        assert re.search(rf"{mark} +{re.escape(name)}  ", printed), name
+    assert f"{len(CHECKS)} of {len(CHECKS)} checks passed, 1 with a warning in " in printed
 
 
 def test_all_checks_run_although_some_fail(capsys):
@@ -113,6 +114,6 @@ def test_the_page_fits_any_terminal(width, encoding, found):
 
 def test_the_page_in_the_documentation_has_today_s_checks():
     text = GUIDE.read_text()
-    rows = re.findall(r"^ {6}\S (?:ok|FAILED|unknown) +(.+?) {2}", text, re.MULTILINE)
+    rows = re.findall(r"^ {6}\S (?:ok|FAILED|unknown|warning) +(.+?) {2}", text, re.MULTILINE)
     assert rows == list(CHECKS)
     assert re.findall(r"^\| \*\*(.+?)\*\* \|", text, re.MULTILINE) == list(CHECKS)

@@ -5,6 +5,7 @@ import pandas as pd
 import pytest
 
 from indoor_explorers.evaluation import compare
+from indoor_explorers.evaluation.drawing.formatting import EN_DASH, percent
 from indoor_explorers.evaluation.exports.summary_table import SummaryTable
 
 OPTIONS = {"policies": ["random", "frontier-nearest"], "workers": 0, "settings": {"budget": 120}}
@@ -20,7 +21,9 @@ def test_a_print_has_a_line_for_each_policy_with_intervals(table):
     lines = str(table).splitlines()
     assert len(lines) == 6  # titles, names of the index, four rows
     assert max(map(len, lines)) <= 120
-    assert all(title in lines[0] for title in ("T90", "T99", "AUC"))
+    assert all(title in lines[0] for title in ("T90", "T99", "99 % reached", "AUC"))
+    success = table.query("metric == 't99'").set_index(["scenario", "policy"])["success"]
+    assert [percent(share) in line for share, line in zip(success, lines[2:], strict=True)] == [True] * 4
     row = table.query("scenario == 'thesis-team-2' and policy == 'random' and metric == 'auc'").iloc[0]
     assert f"{row['mean']:.3f} [{row['low']:.3f}, {row['high']:.3f}]" in str(table)
     assert "<table" in table._repr_html_()
@@ -40,6 +43,12 @@ def test_what_is_made_of_it_is_ordinary(table):
     assert type(one) is type(table.groupby("policy")["mean"].mean().to_frame()) is pd.DataFrame
     assert isinstance(table, SummaryTable)
     assert np.isfinite(table["mean"]).all()
+
+
+@pytest.mark.parametrize("scenarios", [("thesis-open",), ("thesis-open", "thesis-team-2")])
+def test_a_goal_below_99_percent_has_dashes(table, scenarios):
+    lower = SummaryTable(table[(table.metric != "t99") & table.scenario.isin(scenarios)])
+    assert [line.count(EN_DASH) for line in str(lower).splitlines()[-2 * len(scenarios) :]] == [2, 2] * len(scenarios)
 
 
 def test_one_scenario_is_not_named_and_missing_metrics_are_dashes(tmp_path):

@@ -9,11 +9,13 @@ import numpy as np
 from indoor_explorers.evaluation.analysis.comparison import Comparison
 from indoor_explorers.evaluation.analysis.ranks import ranks
 from indoor_explorers.evaluation.analysis.tables.league_table import LeagueCell, LeagueTable, league_table
+from indoor_explorers.evaluation.drawing.formatting import percent
 from indoor_explorers.evaluation.drawing.palette import policy_styles
+from indoor_explorers.evaluation.harness.experiment.experiment import Task
 from indoor_explorers.evaluation.harness.results.results import Results
 from indoor_explorers.evaluation.report.page import render
 from indoor_explorers.evaluation.statistics import CONFIDENCE, all_pairs_test
-from tests.evaluation.report.records import flown
+from tests.evaluation.report.records import flown, made_up, results_of, room
 from tests.evaluation.reports import Page
 
 SEEDS = range(12)
@@ -70,6 +72,25 @@ def test_a_mean_with_episodes_that_never_reached_it_is_a_bound() -> None:
     assert cell_of(results, "rare").text.startswith("≥")
     assert not cell_of(results, "quick").text.startswith("≥")
     assert "never reached it and count as their budget" in Page(render(results)).text
+
+
+def test_every_policy_has_the_share_of_tasks_that_reached_it_on_each_scenario() -> None:
+    times: dict[str, list[float | None]] = {"quick": [20.0, 21.0], "rare": [None, 60.0]}
+    rooms = [room("one"), room("other")]
+    records = [
+        made_up(name, Task(each.name, 0, seed), 20.0 if each.name == "other" else late)
+        for name, lates in times.items()
+        for each in rooms
+        for seed, late in enumerate(lates)
+    ]
+    results = results_of(records, *rooms)
+    league = league_of(results)
+    assert {name: league.reached(cells) for name, cells in league.rows} == {
+        "quick": percent(1),
+        "rare": f"{percent(0.5)} / {percent(1)}",
+    }
+    assert f"{percent(0.5)} / {percent(1)}" in Page(render(results)).text
+    assert percent(0.5) in Page(render(flown({"rare": [None, 60.0]}))).text
 
 
 def test_equal_flights_are_named_instead_of_shown_twice() -> None:
