@@ -214,7 +214,7 @@ class ModeFlight(NamedTuple):
     steps: int
     """Steps flown: up to the one after which all were finished, or the budget."""
     agent: int
-    """The UAV whose ``share`` of known cells, of those that it can reach, is the smallest; stopped ones do not count."""
+    """The UAV that knows the smallest ``share`` of the cells that it can reach, but for UAVs that have stopped."""
     share: float
     trace: Trace
 

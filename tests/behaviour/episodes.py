@@ -103,7 +103,8 @@ class FailureCase:
         (mode,) = (mode for mode in FAILURE_MODES if mode.name == self.mode)
         flight = fly_failure_mode(make_policy(self.policy), mode, radio=RADIOS[self.radio], seed=self.seed)
         found = [str(violation) for violation in flight.trace.violations.values()]
-        return found if flight.finished else [*found, f"unfinished: UAV {flight.agent} knew {int(100 * flight.share)} %"]
+        known = f"unfinished: UAV {flight.agent} knew {int(100 * flight.share)} %"
+        return found if flight.finished else [*found, known]
 
 
 def violations(record: Record) -> list[str]:
