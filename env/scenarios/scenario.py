@@ -124,8 +124,9 @@ class Scenario(SettingsGroup):
         return self.budget if self.budget is not None else max(LEAST_BUDGET, reachable)
 
     def for_evaluation(self) -> Scenario:
-        """Return the task as comparisons fly it, with the settings of :data:`COMPARED`."""
-        return self.with_settings(COMPARED)
+        """Return the task as comparisons fly it, with the settings of :data:`COMPARED`; a goal of every UAV stays."""
+        kept = ("goal", "goal_of") if self.goal_of == "every" else ()
+        return self.with_settings({key: value for key, value in COMPARED.items() if key not in kept})
 
     def with_settings(self, settings: Mapping[str, Any]) -> Scenario:
         """Return a copy with dotted keys replaced, such as ``{"lidar.range": 5, "team": 2}``.

@@ -110,3 +110,10 @@ def test_the_thesis_s_experiments_are_presets():
 def test_map_files_are_looked_for_beside_the_scenario(tmp_path):
     (tmp_path / "task.toml").write_text('team = 2\n[map]\nsource = "files"\npaths = ["floor.png"]\n')
     assert load_scenario(tmp_path / "task.toml").map.paths == (str(tmp_path / "floor.png"),)
+
+
+def test_comparisons_fly_to_full_coverage_of_the_team_or_to_the_goal_of_every_uav():
+    office = scenario("office")
+    flown, every = office.for_evaluation(), office.with_settings({"goal": 0.95, "goal_of": "every"}).for_evaluation()
+    assert (flown.goal, flown.goal_of, flown.stuck.rule) == (1.0, "team", "off")
+    assert (every.goal, every.goal_of, every.stuck.rule) == (0.95, "every", "off")
