@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from indoor_explorers.env.errors import debugging as debugging
@@ -46,17 +44,6 @@ def make_console() -> PlainConsole:
     from indoor_explorers.evaluation.cli.console import PlainConsole
 
     return PlainConsole()
-
-
-@contextmanager
-def written(path: Path, option: str = "--out") -> Iterator[None]:
-    """Report in one line that the block cannot write ``path``, and which option to change."""
-    from indoor_explorers.env.errors import InputError
-
-    try:
-        yield
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written: {error.strerror}; choose another {option}") from error
 
 
 def print_line(console: Console, line: str, style: str | None = None) -> None:

@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 from typing import Annotated
 
-from indoor_explorers.evaluation.cli.command import Command, make_console, print_line, written
+from indoor_explorers.evaluation.cli.command import Command, make_console, print_line
 from indoor_explorers.evaluation.harness.experiment.request import Option, Request
 
 
@@ -26,6 +26,7 @@ class ImportOptions(Request):
 def run_import(options: ImportOptions, typed: str) -> int:
     """Read all files, and write all of their rows or none."""
     from indoor_explorers.env.errors import InputError, one_line
+    from indoor_explorers.env.files import writable
     from indoor_explorers.evaluation.drawing.formatting import counted
     from indoor_explorers.evaluation.harness.reported.importing import BadRows, imported
     from indoor_explorers.evaluation.harness.reported.rows import FILE, joined, read_reported, write_reported
@@ -46,7 +47,7 @@ def run_import(options: ImportOptions, typed: str) -> int:
         with StoreReader(store) as reader:
             flown, known = list(reader.policies()), known | set(reader.scenarios())
     whole = joined([*held, *policies], flown)
-    with written(options.out):
+    with writable(options.out, "--out"):
         options.out.mkdir(parents=True, exist_ok=True)
         write_reported(whole, options.out)
     console = make_console()

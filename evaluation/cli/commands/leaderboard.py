@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from indoor_explorers.evaluation.cli.command import Command, make_console, print_line, written
+from indoor_explorers.evaluation.cli.command import Command, make_console, print_line
 from indoor_explorers.evaluation.harness.experiment.request import PLUGIN_NAMES, Option, Request, read_natural
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ class LeaderboardOptions(Request):
 
 def run_leaderboard(options: LeaderboardOptions, typed: str) -> int:
     """Verify the results and print a table for each scenario."""
-    from indoor_explorers.env.files import written_whole
+    from indoor_explorers.env.files import writable, written_whole
     from indoor_explorers.evaluation.harness.results.results import Results
     from indoor_explorers.evaluation.studies.leaderboard.board import boards
     from indoor_explorers.evaluation.studies.leaderboard.drawing import legend, markdown_page
@@ -50,7 +50,7 @@ def run_leaderboard(options: LeaderboardOptions, typed: str) -> int:
         _print(board, console)
     print_line(console, legend(options.fly))
     if options.out is not None:
-        with written(options.out), written_whole(options.out) as partial:
+        with writable(options.out, "--out"), written_whole(options.out) as partial:
             partial.write_text(markdown_page(found), "utf-8")
         print_line(console, f"Page: {options.out}")
     return 0

@@ -7,7 +7,7 @@ from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from indoor_explorers.evaluation.cli.command import Command, make_console, print_line, written
+from indoor_explorers.evaluation.cli.command import Command, make_console, print_line
 from indoor_explorers.evaluation.harness.experiment.request import (
     NO_SETTINGS,
     RESOLUTION,
@@ -75,12 +75,12 @@ def show_maps(options: MapsOptions, typed: str) -> int:
 def _save(floorplans: Sequence[Floorplan], path: Path) -> None:
     """Write one map as a picture."""
     from indoor_explorers.env.errors import InputError
-    from indoor_explorers.env.files import written_whole
+    from indoor_explorers.env.files import writable, written_whole
     from indoor_explorers.env.maps.files import write_picture
 
     if len(floorplans) != 1 or path.suffix != ".png":
         raise InputError(f"expected one map and a .png with --save, got {len(floorplans)} maps and {path}")
-    with written(path, "--save"), written_whole(path) as partial:
+    with writable(path, "--save"), written_whole(path) as partial:
         write_picture(floorplans[0], partial)
 
 
@@ -151,6 +151,7 @@ class AuditOptions(Request):
 
 def audit_maps(options: AuditOptions, typed: str) -> int:
     """Print how many test maps are in a training folder, as they are, turned, rescaled or nearly."""
+    from indoor_explorers.env.files import writable
     from indoor_explorers.evaluation.studies.maps.audit import audited, write_matches
 
     console = make_console()
@@ -163,7 +164,8 @@ def audit_maps(options: AuditOptions, typed: str) -> int:
     for line in _audit_lines(audit):
         print_line(console, line)
     if options.out is not None:
-        write_matches(audit.matches, options.out)
+        with writable(options.out, "--out"):
+            write_matches(audit.matches, options.out)
         print_line(console, f"Matches: {options.out}")
         return 0
     for match in audit.matches[:MOST_LISTED]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-from indoor_explorers.evaluation.cli.command import Command, make_console, print_line, written
+from indoor_explorers.evaluation.cli.command import Command, make_console, print_line
 from indoor_explorers.evaluation.harness.experiment.request import Option, Request
 
 
@@ -18,9 +18,10 @@ class PlaygroundOptions(Request):
 
 def run_playground(options: PlaygroundOptions, typed: str) -> int:
     """Write the page."""
+    from indoor_explorers.env.files import writable
     from indoor_explorers.evaluation.studies.playground.page import write_playground
 
-    with written(options.out):
+    with writable(options.out, "--out"):
         write_playground(options.out)
     print_line(make_console(), f"Page: {options.out}")
     return 0
