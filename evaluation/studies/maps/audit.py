@@ -20,8 +20,6 @@ from indoor_explorers.env.grid.cells import FREE
 from indoor_explorers.env.maps.files import READERS, read_map
 from indoor_explorers.env.maps.layouts import cropped_to_free, layout_digest, mask_digest, overlap, symmetries
 
-#: The overlap from which on two maps are near copies, if the user asks for no other.
-NEAR = 0.9
 #: Side of the small pictures by which near copies are looked for, in cells.
 SIDE = 24
 #: Training maps whose small pictures are most like that of a test map, whose overlap is measured.
@@ -47,7 +45,7 @@ class AuditedMap:
     digests: tuple[str, str, str]
     """Of its cells, of its cells up to symmetry, and of its layout."""
     small: np.ndarray
-    """(8, SIDE * SIDE) float32: the small picture in its eight symmetries, of mean 0 and length 1."""
+    """(SIDE, SIDE) float32: the share of free cells in each part of the map, of mean 0 and length 1."""
 
     @classmethod
     def read(cls, path: Path, resolution: float | None = None) -> AuditedMap:
@@ -146,11 +144,12 @@ def _near_copies(
     train: Sequence[AuditedMap], test: Sequence[AuditedMap], near: float, resolution: float | None
 ) -> Iterator[Match]:
     """Yield the test maps that overlap one of the likeliest training maps enough, with the best of these."""
-    pictures = np.stack([each.small[0] for each in train])
+    pictures = np.stack([each.small.ravel() for each in train])
     count = min(CANDIDATES, len(train))
     for start in range(0, len(test), BATCH):
         batch = test[start : start + BATCH]
-        alike = np.stack([(each.small @ pictures.T).max(axis=0) for each in batch])
+        turned = [np.stack([view.ravel() for view in symmetries(each.small)]) for each in batch]
+        alike = np.stack([(views @ pictures.T).max(axis=0) for views in turned])
         likely = np.argpartition(-alike, count - 1, axis=1)[:, :count]
         for each, numbers in zip(batch, likely, strict=True):
             free = read_free(each.path, resolution)
@@ -161,11 +160,11 @@ def _near_copies(
 
 
 def _small(free: Mask) -> np.ndarray:
-    """Return the share of free cells in each of SIDE x SIDE parts of a mask, centred and scaled, in 8 symmetries."""
+    """Return the share of free cells in each of SIDE x SIDE parts of a (H, W) mask, centred and scaled."""
     picture = Image.fromarray(cropped_to_free(free).astype(np.uint8) * 255)
     small = np.asarray(picture.resize((SIDE, SIDE), Image.Resampling.BOX), dtype=np.float32)
     centred = small - small.mean()
-    return np.stack([view.ravel() for view in symmetries(centred)]) / max(float(np.linalg.norm(centred)), 1e-6)
+    return np.asarray(centred / max(float(np.linalg.norm(centred)), 1e-6))
 
 
 def write_matches(matches: Iterable[Match], path: Path) -> None:
