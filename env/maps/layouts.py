@@ -10,7 +10,7 @@ import numpy as np
 
 from indoor_explorers.env.grid.arrays import Mask
 
-#: What the digest of a layout begins with, by which it is told from the digest of one map.
+#: The beginning of the digest of a layout; the digest of one map has none.
 PREFIX = "layout-"
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.evaluation.analysis.comparison import Comparison
 from indoor_explorers.evaluation.drawing.formatting import counted
-from indoor_explorers.evaluation.harness.episodes.metrics import LEVELS, MEASURES, OTHER_TIMES
+from indoor_explorers.evaluation.harness.episodes.metrics import LEVELS, MEASURES, TIMES
 from indoor_explorers.evaluation.harness.reported.rows import ReportedPolicy, ReportedRow
 from indoor_explorers.evaluation.harness.results.ratios import NO_RATIO, Censoring
 from indoor_explorers.evaluation.harness.results.results import Results
@@ -188,7 +188,7 @@ class ReportedFigures:
         )
 
     def _flown_complete(self, policy: str, metric: str) -> NDArray[np.bool_]:
-        if metric in LEVELS or metric in OTHER_TIMES:
+        if metric in TIMES:
             return self.comparison.results.measured(self.comparison.scenario, policy, metric)
         success = self.flown_success(policy) if metric in GROWING else None
         return np.ones(len(self.comparison.groups[policy]), np.bool_) if success is None else success

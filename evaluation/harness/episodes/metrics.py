@@ -6,7 +6,6 @@ err. T_q is the first step with coverage >= q.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -129,6 +128,8 @@ MEASURES: dict[str, Measure] = {
 TIMES_OF_BASE = ("t90_base", "t99_base")
 #: Times that only some episodes have.
 OTHER_TIMES = (*TIMES_OF_BASE, "t99_worst")
+#: All times: one that was never reached is None.
+TIMES = (*LEVELS, *OTHER_TIMES)
 OF_BASE = ("auc_base", *TIMES_OF_BASE, "auc_seen", "unreported")
 #: The measures of wasted steps in a row.
 WASTED = ("longest_idle", "longest_dither")
@@ -143,11 +144,6 @@ def tolerated_steps(metric: str, team: int) -> int:
     fro for more than six steps is never necessary.
     """
     return 6 * team if metric == "longest_idle" else 6
-
-
-def is_time(metrics: Mapping[str, float | None], metric: str) -> bool:
-    """Return whether a metric is a time that an episode's metrics have; where it is None, it was never reached."""
-    return metric in LEVELS or (metric in OTHER_TIMES and metric in metrics)
 
 
 def first_step(curve: NDArray[np.floating], level: float) -> int | None:

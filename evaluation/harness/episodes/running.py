@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env import UNKNOWN, Scenario, World
 from indoor_explorers.env.maps.floorplan import Floorplan
-from indoor_explorers.env.search.straight_paths import straightened_length
+from indoor_explorers.env.search.any_angle import straightened_length
 from indoor_explorers.env.simulation.state import End
 from indoor_explorers.evaluation.harness.episodes.lower_bounds import least_steps
 from indoor_explorers.evaluation.harness.episodes.metrics import LEVELS, stop_metrics, team_metrics

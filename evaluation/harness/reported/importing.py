@@ -14,7 +14,7 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Fie
 
 from indoor_explorers.env.errors import InputError, did_you_mean, shown
 from indoor_explorers.env.maps.files import READERS
-from indoor_explorers.evaluation.harness.episodes.metrics import LEVELS, OTHER_TIMES
+from indoor_explorers.evaluation.harness.episodes.metrics import TIMES
 from indoor_explorers.evaluation.harness.reported.columns import (
     Columns,
     Entry,
@@ -88,7 +88,7 @@ class _Table:
         """Return the model of a row with our names."""
         kinds = {**TYPES, "success": Share if self.columns.mean else bool}
         for metric in self.columns.metrics:
-            may_lack = self.columns.budget is not None and metric in (*LEVELS, *OTHER_TIMES)
+            may_lack = self.columns.budget is not None and metric in TIMES
             kind = Share if metric.startswith("auc") else Amount
             kinds[metric] = kind | None if may_lack else kind
         fields = {name: (_translated(entry, kinds[name]), ...) for name, entry in self._entries.items()}

@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Any
 
 from indoor_explorers.env.maps.floorplan import Floorplan
+from indoor_explorers.env.maps.layouts import PREFIX
 from indoor_explorers.env.scenarios.seed_sets import SeedUse, fresh_test_set
 from indoor_explorers.evaluation.harness.episodes.record import Record
 from indoor_explorers.evaluation.harness.episodes.stored_names import MODELS, refusal
@@ -171,7 +172,9 @@ def _seen_maps(facts: Mapping[str, Any], flown: Mapping[str, Floorplan]) -> Iter
     """Say which of the maps flown (by digest) a policy saw, or their layouts, each for its first use alone."""
     left = dict(flown)
     for use, digests in facts.get("seen_maps", {}).items():
-        found = [digest for digest, plan in left.items() if digest in digests or plan.layout in digests]
+        known = set(digests)
+        of_layouts = any(digest.startswith(PREFIX) for digest in known)
+        found = [key for key, plan in left.items() if key in known or (of_layouts and plan.layout in known)]
         names = sorted(left.pop(digest).name for digest in found)
         if names:
             listed = ", ".join(names[:MOST_NAMED]) + (", ..." if len(names) > MOST_NAMED else "")

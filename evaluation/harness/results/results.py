@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env import InputError, Scenario
 from indoor_explorers.env.files import written_whole
 from indoor_explorers.env.scenarios.suites.catalogue import buildings
-from indoor_explorers.evaluation.harness.episodes.metrics import LEVELS, MEASURES, Measure, extended, is_time
+from indoor_explorers.evaluation.harness.episodes.metrics import LEVELS, MEASURES, TIMES, Measure, extended
 from indoor_explorers.evaluation.harness.episodes.record import Outcome, Record, mean_curve
 from indoor_explorers.evaluation.harness.episodes.resimulate import recorded_scenario
 from indoor_explorers.evaluation.harness.episodes.steps import StepFacts
@@ -162,7 +162,11 @@ class Results(ResultNotes):
         if metric == "t99_to_reference":
             return self.to_reference(scenario, policy, "t99")
         stored, records = self._stored(scenario, policy, metric), self.groups[scenario, policy]
-        never = np.isnan(stored) & [is_time(record.metrics, metric) for record in records]
+        if metric not in TIMES:
+            return stored
+        never = np.isnan(stored)
+        if metric not in LEVELS:  # times that only some episodes have
+            never &= [metric in record.metrics for record in records]
         return np.where(never, [float(record.budget) for record in records], stored)
 
     def metric_names(self, scenario: str, policy: str) -> list[str]:
