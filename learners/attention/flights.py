@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,16 +21,11 @@ from indoor_explorers.env.simulation.world import World
 from indoor_explorers.learners.attention.graph import TRUE_FEATURES, Graph, GraphSettings, true_graph
 from indoor_explorers.learners.attention.network import Loaded, scores
 from indoor_explorers.learners.attention.policy import AttentionPilot, probabilities
-from indoor_explorers.learners.pockets.maps import TrainingMaps
+from indoor_explorers.learners.pockets.maps import TrainingMaps, team_settings
 
-#: Lidar ranges in cells and numbers of UAVs, each with their shares of the flights; radios of teams, in equal shares.
+#: Lidar ranges in cells and numbers of UAVs, each with their shares of the flights.
 RANGES, RANGE_SHARES = (10.0, 7.0, 14.0), (0.7, 0.15, 0.15)
 TEAMS, TEAM_SHARES = (1, 2, 3), (0.6, 0.25, 0.15)
-RADIOS: tuple[dict[str, Any], ...] = (
-    {"radio.model": "unlimited"},
-    {"radio.model": "disc", "radio.range": 15.0},
-    {"radio.model": "none"},
-)
 #: Share of flights in the thesis's rooms, and the lidar range there.
 ROOMS, ROOM_RANGE = 0.2, 3.0
 #: Most blocks of a map, as its free cells by the cells of a block: graphs of larger maps take too long to learn from.
@@ -71,9 +66,8 @@ def drawn_task(maps: TrainingMaps, seed: int, settings: GraphSettings) -> World:
     reach = ROOM_RANGE if room else float(rng.choice(RANGES, p=RANGE_SHARES))
     team = int(rng.choice(TEAMS, p=TEAM_SHARES))
     plan = _drawn_map(maps, rng, settings.side(reach), seed, room=room)
-    asked: dict[str, Any] = {"team": team, "lidar.range": reach, "goal": ENOUGH}
-    asked["budget"] = max(LEAST_BUDGET, round(BUDGET * np.count_nonzero(plan.truth == FREE)))
-    asked |= {"spawn": "random"} if team == 1 else RADIOS[rng.integers(len(RADIOS))]
+    budget = max(LEAST_BUDGET, round(BUDGET * np.count_nonzero(plan.truth == FREE)))
+    asked = {"lidar.range": reach, "budget": budget, **team_settings(team, rng)}
     world = World(on_files(("map",), None).with_settings(asked).for_evaluation().with_settings({"goal": ENOUGH}))
     world.begin(0, seed, floorplan=plan)
     return world
@@ -168,16 +162,18 @@ def fly(world: World, loaded: Loaded, rng: np.random.Generator, *, privileged: b
     return Flown([choice for uav in policy.choices.values() for choice in uav], steps)
 
 
-def greedy(world: World, loaded: Loaded) -> Iterator[None]:
-    """Fly without the guard to the end of the episode, always to the neighbour of highest score; yield at each step."""
-    pilots = {
-        agent: AttentionPilot(world.briefing(0, agent), loaded, guard=False) for agent in range(world.scenario.team)
-    }
-    while True:
-        actions = np.full((1, len(pilots)), 4)
-        for agent, pilot in pilots.items():
-            if world.flying[0, agent]:
-                actions[0, agent] = pilot.act(world.view(0, agent))
-                world.post(0, agent, pilot.message)
-        world.step(actions)
-        yield
+@dataclass(frozen=True, kw_only=True)
+class _Greedy(Policy):
+    """The policy of an evaluation flight."""
+
+    loaded: Loaded
+
+    def pilot(self, briefing: Briefing) -> Pilot:
+        """Make the pilot of one UAV."""
+        return AttentionPilot(briefing, self.loaded, guard=False)
+
+
+def greedy(world: World, loaded: Loaded) -> Iterator[NDArray[np.int64]]:
+    """Fly without the guard to the end of the episode, always to the neighbour of highest score; yield each step."""
+    policy = _Greedy(loaded=loaded)
+    return rollout(world, ask_pilots(policy, make_pilots(policy, world), world))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
@@ -15,11 +14,9 @@ from indoor_explorers.env.files import expanded
 from indoor_explorers.env.grid.arrays import Cell, Mask
 from indoor_explorers.env.policies.policy import TRAINED_GOAL, Policy
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.env.provenance import recorded_maps
 from indoor_explorers.learners.attention.graph import USEFUL, Graph, Surroundings, known_graph
 from indoor_explorers.learners.attention.network import Loaded, load_weights, scores
-from indoor_explorers.learners.sessions.record import record_of
-from indoor_explorers.learners.sessions.seeds import recorded_seeds
+from indoor_explorers.learners.sessions.record import RecordedWeights, digest_of
 from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
 from indoor_explorers.planners.toolbox.navigation.teammates import claims, message_of, remembered
 from indoor_explorers.planners.toolbox.networks.tensors import WEIGHTS
@@ -70,7 +67,7 @@ class AttentionPilot(GoalPilot):
             options = graph.neighbours[0]
             allowed = (options >= 0) & ~self.near_banned(view, graph.cells[options])
             if allowed.any() and graph.features[:, USEFUL].any():
-                chosen = graph.neighbours[0][self.pick(view, graph, allowed)]
+                chosen = options[self.pick(view, graph, allowed)]
                 return divmod(int(graph.cells[chosen]), self.paths.width)
             self._to_frontier = True
         return self.nearest_frontier(view)
@@ -102,7 +99,7 @@ def probabilities(found: NDArray[np.float32], allowed: Mask) -> NDArray[np.float
 
 
 @dataclass(frozen=True, kw_only=True)
-class AttentionSac(Policy):
+class AttentionSac(RecordedWeights, Policy):
     """Fly from node to node of a graph of viewpoints, as a graph attention network chooses.
 
     ARiADNE: Cao et al., ICRA 2023, arXiv:2301.11575; trained by discrete soft actor-critic (Christodoulou 2019,
@@ -138,15 +135,11 @@ class AttentionSac(Policy):
 
     def provenance(self) -> dict[str, str]:
         """Return the hash of the weights."""
-        return {"weights_sha256": hashlib.sha256(self.path.read_bytes()).hexdigest()}
+        return {"weights_sha256": digest_of(self.path)}
 
-    def seen_seeds(self) -> dict[str, list[range]]:
-        """Return the seeds of the training."""
-        return recorded_seeds(record_of(self.path))
-
-    def seen_maps(self) -> dict[str, list[str]]:
-        """Return the map files of the training."""
-        return recorded_maps(record_of(self.path))
+    def weights_paths(self) -> list[Path]:
+        """Return the path of the weights."""
+        return [self.path]
 
 
 def opened(path: str, **parameters: Any) -> AttentionSac:

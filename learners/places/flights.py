@@ -23,7 +23,7 @@ from indoor_explorers.learners.places.network import Loaded, values
 from indoor_explorers.learners.places.policy import PlacesPilot
 from indoor_explorers.learners.places.scene import MOST, Scene
 from indoor_explorers.learners.places.truth import Truth, truth_of
-from indoor_explorers.learners.pockets.maps import TrainingMaps
+from indoor_explorers.learners.pockets.maps import TrainingMaps, team_settings
 from indoor_explorers.planners.toolbox.networks.tensors import read_tensors, write_tensors
 
 Arrays = Mapping[str, NDArray[Any]]
@@ -83,14 +83,9 @@ def read_choices(paths: Sequence[Path]) -> ChoiceArrays:
 
 #: Least and most free cells of a training map: flights over larger ones take too long.
 FEWEST, LARGEST = 400, 4500
-#: Lidar ranges in cells and numbers of UAVs, each with their shares of the flights; radios of teams, in equal shares.
+#: Lidar ranges in cells and numbers of UAVs, each with their shares of the flights.
 RANGES, RANGE_SHARES = (10.0, 7.0, 14.0), (0.8, 0.1, 0.1)
 TEAMS, TEAM_SHARES = (1, 2, 4), (0.6, 0.2, 0.2)
-RADIOS: tuple[dict[str, Any], ...] = (
-    {"radio.model": "unlimited"},
-    {"radio.model": "disc", "radio.range": 15.0},
-    {"radio.model": "none"},
-)
 #: Cost of a step before 90 % coverage, beyond that of every step, which is 1.
 EARLY = 0.5
 #: Coverage up to which a step costs more, and at which a flight ends.
@@ -164,8 +159,7 @@ def fly(maps: TrainingMaps, seed: int, loaded: Loaded) -> TrainingFlight:
     while not FEWEST <= np.count_nonzero(plan.truth == FREE) <= LARGEST:
         plan = maps.draw(rng)
     reach, team = float(rng.choice(RANGES, p=RANGE_SHARES)), int(rng.choice(TEAMS, p=TEAM_SHARES))
-    asked: dict[str, Any] = {"team": team, "lidar.range": reach, "budget": None, "goal": ENOUGH}
-    asked |= {"spawn": "random"} if team == 1 else RADIOS[rng.integers(len(RADIOS))]
+    asked = {"lidar.range": reach, "budget": None, **team_settings(team, rng)}
     world = World(on_files(("map",), None).with_settings(asked).for_evaluation())
     world.begin(0, seed, floorplan=plan)
     reachable = distance_field(plan.truth, world.view(0, 0).cell) < UNREACHABLE

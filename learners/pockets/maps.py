@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 from pydantic import BeforeValidator, Field
@@ -51,6 +51,17 @@ RAGGED, RAGGEDNESS = 0.4, 0.15
 LEAST_FREE, METRES = 150, 0.5
 #: Attempts to find a map of that size.
 ATTEMPTS = 20
+#: Radios of the teams of training flights, in equal shares.
+RADIOS: tuple[dict[str, Any], ...] = (
+    {"radio.model": "unlimited"},
+    {"radio.model": "disc", "radio.range": 15.0},
+    {"radio.model": "none"},
+)
+
+
+def team_settings(team: int, rng: np.random.Generator) -> dict[str, Any]:
+    """Return the settings of a number of UAVs: a team has a radio drawn at random, a single one a random start."""
+    return {"team": team} | ({"spawn": "random"} if team == 1 else RADIOS[rng.integers(len(RADIOS))])
 
 
 @dataclass(frozen=True)
