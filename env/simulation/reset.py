@@ -173,8 +173,9 @@ def start_episodes(
         place_base(rules, state, b)
         state.order_key[b] = stream_key(seeds[k], ORDER, 0)
         state.radio_key[b] = stream_key(seeds[k], RADIO, 0)
+        fading_key = stream_key(seeds[k], RADIO, 1)
         for which in range(2):
-            state.fading[b, which] = MOST_FADING * uniform(stream_key(seeds[k], RADIO, 1), which)
+            state.fading[b, which] = MOST_FADING * uniform(fading_key, which)
         state.failure_key[b] = stream_key(seeds[k], FAILURE, 0)
         begin(rules, state, lidar, work, b)
 

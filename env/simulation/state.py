@@ -55,6 +55,7 @@ class Rules(NamedTuple):
     radio_wall_loss: float
     radio_loss: float
     goal_of_team: bool
+    """Whether the goal is the team's coverage; at most one of the three goals is set, none for a goal of each agent."""
     goal_of_every: bool
     """Whether the goal is that every flying agent's own map has the coverage."""
     stuck_rule: int
@@ -99,7 +100,7 @@ def rules_of(scenario: Scenario) -> Rules:
         radio_exponent=scenario.radio.exponent,
         radio_wall_loss=scenario.radio.wall_loss,
         radio_loss=scenario.radio.loss,
-        goal_of_team=scenario.goal_of == "team",
+        goal_of_team=scenario.goal_of == "team" and not scenario.base.must_return,
         goal_of_every=scenario.goal_of == "every" and not scenario.base.must_return,
         stuck_rule=StuckRule.named(scenario.stuck.rule),
         stuck_repeats=scenario.stuck.repeats,

@@ -111,11 +111,12 @@ def _all_know(state: State, b: int) -> bool:
 @inner()
 def finish_step(rules: Rules, state: State, b: int) -> None:
     """Compute the rewards of the flying agents, and end those that are done."""
-    team_done = rules.goal_of_team and state.team_covered[b] >= state.needed[b]
-    if rules.goal_of_base:
-        team_done = state.base_covered[b] >= state.needed[b]
-    if rules.goal_of_every:
-        team_done = _all_know(state, b)
+    shared_goal = rules.goal_of_team or rules.goal_of_base or rules.goal_of_every
+    team_done = (
+        (rules.goal_of_team and state.team_covered[b] >= state.needed[b])
+        or (rules.goal_of_base and state.base_covered[b] >= state.needed[b])
+        or (rules.goal_of_every and _all_know(state, b))
+    )
     width, window = state.truth.shape[2], state.history.shape[2]
     for n in range(state.end.shape[1]):
         if state.end[b, n] != FLYING:
@@ -125,8 +126,7 @@ def finish_step(rules: Rules, state: State, b: int) -> None:
         )
         state.idle[b, n] = 0 if state.discovered[b, n] + state.received[b, n] else state.idle[b, n] + 1
         state.history[b, n, state.step[b] % window] = state.cell[b, n, 0] * width + state.cell[b, n, 1]
-        own_goal = not (rules.goal_of_team or rules.goal_of_base or rules.goal_of_every)
-        if team_done or (own_goal and state.covered[b, n] >= state.needed[b]):
+        if team_done or (not shared_goal and state.covered[b, n] >= state.needed[b]):
             state.end[b, n] = GOAL
             state.reward[b, n] += rules.reward_goal
         elif _is_stuck(rules, state, b, n):

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED
-from indoor_explorers.env.search.straight_paths import straightened_length
+from indoor_explorers.env.search.any_angle import straightened_length
 from tests.env.worlds import begun, floorplans, random_actions, scenarios
 
 ROOM = np.full((12, 12), FREE, np.uint8)
