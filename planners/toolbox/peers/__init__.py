@@ -1,0 +1,1 @@
+"""Published explorers of other groups, from clones of their repositories."""
