@@ -6,7 +6,7 @@ from math import inf, nan, nextafter
 
 import pytest
 
-from indoor_explorers.env import InputError, make_policy
+from indoor_explorers.env import InputError
 from indoor_explorers.env.policies.registry import policy_class
 from indoor_explorers.planners.toolbox.parameters import Bounds, Parameters, declared
 from tests.behaviour.policies import POLICIES
@@ -18,15 +18,16 @@ EVERY = [(name, key) for name in CHECKED for key in declared(policy_class(name))
 
 @pytest.mark.parametrize(("name", "key"), EVERY)
 def test_values_out_of_bounds_are_refused(name: str, key: str) -> None:
-    allowed = declared(policy_class(name))[key]
+    kind = policy_class(name)
+    allowed = declared(kind)[key]
     if isinstance(allowed, Bounds):
         wrong = [nextafter(allowed.least, -inf), nextafter(allowed.most, inf), nan, "1"]
-        expected = f"{policy_class(name).__name__}: expected {key} of at least {allowed.least:g}"
+        expected = f"{kind.__name__}: expected {key} of at least {allowed.least:g}"
     else:
         wrong, expected = ["anything"], f"expected {key} to be one of {', '.join(allowed)}, got 'anything'"
     for value in wrong:
         with pytest.raises(InputError, match=expected):
-            make_policy(name, **{key: value})
+            kind(**{key: value})
 
 
 def test_nearly_every_number_of_a_planner_has_bounds() -> None:
