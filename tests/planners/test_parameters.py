@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from math import inf, nan, nextafter
+from typing import Any
 
 import pytest
 
@@ -12,13 +13,14 @@ from indoor_explorers.planners.toolbox.parameters import Bounds, Parameters, dec
 from tests.behaviour.policies import POLICIES
 
 INFORMED = "indoor_explorers.planners.frontier.informed:FrontierInformed"
-CHECKED = [name for name in (*POLICIES, INFORMED) if issubclass(policy_class(name), Parameters)]
-EVERY = [(name, key) for name in CHECKED for key in declared(policy_class(name))]
+KINDS = {name: policy_class(name) for name in (*POLICIES, INFORMED)}
+CHECKED = {name: kind for name, kind in KINDS.items() if issubclass(kind, Parameters)}
+EVERY = [(name, key) for name, kind in CHECKED.items() for key in declared(kind)]
 
 
 @pytest.mark.parametrize(("name", "key"), EVERY)
 def test_values_out_of_bounds_are_refused(name: str, key: str) -> None:
-    kind = policy_class(name)
+    kind: type[Any] = CHECKED[name]
     allowed = declared(kind)[key]
     if isinstance(allowed, Bounds):
         wrong = [nextafter(allowed.least, -inf), nextafter(allowed.most, inf), nan, "1"]

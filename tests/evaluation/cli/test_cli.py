@@ -87,7 +87,7 @@ def stored(out):
 def test_compare_writes_what_the_contract_says(figures, capsys, tmp_path):
     out = tmp_path / "out"
     words = ["--policies", "random,frontier-nearest", "--scenario", "thesis-team-2", "--episodes", "6", "--seed", "3"]
-    status, printed, errors = run(capsys, "compare", *words, "--workers", "2", "--out", out)
+    status, printed, errors = run(capsys, "compare", *words, *HERE, "--out", out)
     assert (status, errors) == (0, "")
     assert "frontier-nearest" in printed
     assert "report.html" in printed
@@ -223,6 +223,7 @@ def test_failed_episodes_are_kept_and_make_status_1(capsys, tmp_path):
     assert stored(tmp_path) == 16
 
 
+@pytest.mark.slow  # test_supervisor.py tells of such policies
 def test_a_policy_that_ends_its_process_leaves_the_others_alone(capsys, tmp_path):
     words = ["compare", "--policies", f"{PLUGINS}:Dies,random", "--scenario", "thesis-open", "--episodes", "2"]
     status, printed, errors = run(capsys, *words, "--workers", "1", "--out", tmp_path)
