@@ -119,12 +119,14 @@ def test_only_with_the_mask_are_all_moves_legal(trained: dict[str, Path]) -> Non
     rng, illegal = np.random.default_rng(0), {True: 0, False: 0}
     world = World(small_room(4).with_settings({"on_collision": "block"}), 20)
     world.reset(range(20))
+    policies = [
+        StableBaselines(path=str(path), mask=mask) for mask, path in itertools.product((True, False), trained.values())
+    ]
     for _ in range(20):
         views = [world.view(b, 0) for b in range(20)]
-        for mask, folder in itertools.product((True, False), trained.values()):
-            policy = StableBaselines(path=str(folder), mask=mask)
+        for policy in policies:
             chosen = policy.act([policy.pilot(world.briefing(b, 0)) for b in range(20)], views)
-            illegal[mask] += sum(not view.legal[action] for view, action in zip(views, chosen, strict=True))
+            illegal[policy.mask] += sum(not view.legal[action] for view, action in zip(views, chosen, strict=True))
         world.step(rng.integers(5, size=(20, 1)))
     assert illegal[True] == 0
     assert illegal[False] > 0
