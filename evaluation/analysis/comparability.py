@@ -250,11 +250,12 @@ def _sentences(notes: Sequence[str]) -> list[str]:
 
 
 def _buildings(results: Results) -> Iterator[str]:
-    """Name the scenarios in which maps of one building count as one."""
+    """Name the scenarios in which maps of one building or layout count as one."""
     comparisons = [Comparison(results, name) for name in results.scenarios]
-    alike = {each.maps_flown for each in comparisons if each.building_count < each.map_count}
+    alike = {each.maps_flown for each in comparisons if each.unit_count < each.map_count}
+    units = " or ".join(unit for unit in ("building", "layout") if any(unit in maps for maps in alike))
     if alike:
-        yield f"Intervals and tests count maps of one building as one, as they are alike: {', '.join(sorted(alike))}."
+        yield f"Intervals and tests count maps of one {units} as one, as they are alike: {', '.join(sorted(alike))}."
 
 
 def _censored(results: Results) -> Iterator[str]:

@@ -14,6 +14,7 @@ from indoor_explorers.evaluation.drawing.formatting import counted
 from indoor_explorers.evaluation.harness.episodes.record import Record
 from indoor_explorers.evaluation.harness.experiment.experiment import Task
 from indoor_explorers.evaluation.harness.results.coverage_threshold import CoverageThreshold
+from indoor_explorers.evaluation.harness.results.map_labels import unit_of
 from indoor_explorers.evaluation.harness.results.ratios import Censoring
 from indoor_explorers.evaluation.harness.results.results import Results
 from indoor_explorers.evaluation.statistics import (
@@ -58,7 +59,7 @@ class Comparison:
         return self.results.level(self.scenario)
 
     def maps(self, policy: str) -> NDArray[np.str_]:
-        """Return (E,) which map, or building, each episode of a policy was flown on; equal ones have equal labels."""
+        """Return (E,) the map, building or layout of each episode of a policy (:meth:`Results.maps`)."""
         return self.results.maps(self.scenario, policy)
 
     @cached_property
@@ -67,16 +68,20 @@ class Comparison:
         return len({record.floorplan.digest for record in self.records})
 
     @cached_property
-    def building_count(self) -> int:
-        """How many buildings they are of."""
-        return len({label for policy in self.groups for label in self.maps(policy).tolist()})
+    def _units(self) -> set[str]:
+        return {label for policy in self.groups for label in self.maps(policy).tolist()}
+
+    @property
+    def unit_count(self) -> int:
+        """How many they are where maps of one building or layout count as one."""
+        return len(self._units)
 
     @property
     def maps_flown(self) -> str:
-        """``8 maps``, or ``8 maps of 3 buildings`` where some have several."""
+        """``8 maps``, or ``8 maps of 3 buildings`` where some count as one."""
         maps = counted(self.map_count, "map")
-        several = self.building_count < self.map_count
-        return f"{maps} of {counted(self.building_count, 'building')}" if several else maps
+        several = self.unit_count < self.map_count
+        return f"{maps} of {counted(self.unit_count, unit_of(self._units))}" if several else maps
 
     @cached_property
     def over_maps(self) -> bool:

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env import InputError, Scenario
 from indoor_explorers.env.files import written_whole
-from indoor_explorers.env.scenarios.suites.catalogue import buildings
 from indoor_explorers.evaluation.harness.episodes.metrics import LEVELS, MEASURES, TIMES, Measure, extended
 from indoor_explorers.evaluation.harness.episodes.record import Outcome, Record, mean_curve
 from indoor_explorers.evaluation.harness.episodes.resimulate import recorded_scenario
@@ -25,6 +24,7 @@ from indoor_explorers.evaluation.harness.experiment.experiment import MARGIN, Ta
 from indoor_explorers.evaluation.harness.reported.rows import ReportedPolicy, joined, read_reported
 from indoor_explorers.evaluation.harness.results.coverage_threshold import CoverageThreshold, applies_to, threshold_of
 from indoor_explorers.evaluation.harness.results.fingerprints import refuse_other_fingerprints
+from indoor_explorers.evaluation.harness.results.map_labels import map_labels
 from indoor_explorers.evaluation.harness.results.notes import ResultNotes
 from indoor_explorers.evaluation.harness.results.reading import StoreReader
 from indoor_explorers.evaluation.harness.results.scenario_titles import scenario_title
@@ -202,13 +202,13 @@ class Results(ResultNotes):
         return np.asarray(self.values(scenario, policy, metric) / least)
 
     def maps(self, scenario: str, policy: str) -> NDArray[np.str_]:
-        """Return (E,) which map each episode was flown on; equal maps have equal labels, whatever their files.
+        """Return (E,) the label of each episode's map; maps that count as one have one label (:func:`map_labels`)."""
+        labels = self._labels(scenario)
+        return np.array([labels[record.floorplan.digest] for record in self.groups[scenario, policy]])
 
-        Maps that suites say are of one building have one label, as they are alike.
-        """
-        known = buildings()
-        digests = [record.floorplan.digest for record in self.groups[scenario, policy]]
-        return np.array([known.get(digest, digest) for digest in digests])
+    @cached_property
+    def _labels(self) -> Callable[[str], dict[str, str]]:
+        return cache(lambda name: map_labels(self.records, name, self.scenarios[name]["map"]["source"]))
 
     @cached_property
     def references(self) -> dict[str, dict[Task, Record]]:

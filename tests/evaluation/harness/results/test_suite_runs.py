@@ -38,9 +38,26 @@ def test_a_suite_flown_whole_says_so(tiny: Path, tmp_path: Path):
     assert "Intervals of tiny-1, tiny-2-none, tiny-2-disc hold for their 3 maps alone" in page
     alone = Comparison(whole, "tiny-1")
     assert alone.maps("frontier-nearest").tolist() == ["tiny: A"] * 4 + ["tiny: B"] * 2
-    assert (alone.map_count, alone.building_count) == (3, 2)
+    assert (alone.map_count, alone.unit_count) == (3, 2)
     told = caption(alone)
     assert told[0] == "6 episodes of each policy on 3 maps of 2 buildings; suite tiny 3, test part, complete."
+
+
+def test_maps_of_one_layout_count_as_one(tmp_path: Path):
+    free = np.zeros((9, 14), np.bool_)
+    free[1:4, 1:12] = free[1:8, 9:12] = True
+    other = free.copy()
+    other[6, 2:10] = True
+    for name, mask in {"plan": free, "turned": np.rot90(free), "mirrored": free[:, ::-1], "other": other}.items():
+        np.save(tmp_path / f"{name}.npy", np.where(mask, 0, 100).astype(np.int8))
+    files = [str(tmp_path / f"{name}.npy") for name in ("plan", "turned", "other", "mirrored")]
+    results = fly(tmp_path / "out", maps=files, episodes=2)
+    flown = Comparison(results, *results.scenarios)
+    labels = flown.maps("frontier-nearest").tolist()
+    assert [labels.index(label) for label in labels] == [0, 0, 0, 0, 4, 4, 0, 0]
+    assert (flown.map_count, flown.unit_count, flown.maps_flown) == (4, 2, "4 maps of 2 layouts")
+    page = render(results, replays=0)
+    assert "Intervals and tests count maps of one layout as one, as they are alike: 4 maps of 2 layouts." in page
 
 
 def test_a_part_of_a_suite_says_how_much_it_is(tiny: Path, tmp_path: Path):
