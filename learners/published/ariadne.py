@@ -13,7 +13,7 @@ import numpy as np
 from indoor_explorers.env.grid.arrays import Belief, Cell
 from indoor_explorers.env.grid.cells import FREE
 from indoor_explorers.learners.published.checkpoint import Published, Sizes
-from indoor_explorers.learners.published.lattice import Points, nearest, straight_edges
+from indoor_explorers.learners.published.lattice import lattice_points, nearest, straight_edges
 from indoor_explorers.learners.published.sighted import Observation, SightedNodes, resolution
 from indoor_explorers.planners.toolbox.peers.clone import PublishedCode
 
@@ -38,21 +38,12 @@ NEIGHBOURS = 20
 PIXELS, POINTS, LEAST = 640.0, 50.0, 2.0
 
 
-def lattice(shape: tuple[int, int], spacing: tuple[float, float]) -> Points:
-    """Return the points (N, 2) of a lattice on an (H, W) map, column by column; ``spacing`` is in cells."""
-    rows, cols = (
-        np.unique(np.round(np.arange(int((size - 1) / step + 1e-9) + 1) * step).astype(np.int64))
-        for size, step in zip(shape, spacing, strict=True)
-    )
-    return np.stack([np.tile(rows, len(cols)), np.repeat(cols, len(rows))], axis=1)
-
-
 class AriadneGraph:
     """The graph of one UAV in one episode, updated at each of its choices."""
 
     def __init__(self, shape: tuple[int, int], lidar_range: float) -> None:
         self._scale = resolution(lidar_range, RANGE, BLOCK)
-        self._lattice = lattice(shape, (SPACING[0] * self._scale.cells, SPACING[1] * self._scale.cells))
+        self._lattice = lattice_points(shape, (SPACING[0] * self._scale.cells, SPACING[1] * self._scale.cells))
         self._nodes = SightedNodes(shape, self._scale, UTILITY_RANGE * self._scale.cells)
         self._visited: set[Cell] = set()
 

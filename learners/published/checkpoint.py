@@ -31,20 +31,14 @@ _PARTS = {
 
 
 class Sizes(NamedTuple):
-    """The sizes of a published policy network."""
+    """The sizes of a published policy network; ``headings``: bins of directions, 0 for a network without them."""
 
     inputs: int
-    """Features of a node."""
     heads: int
-    """Attention heads."""
     headings: int = 0
-    """Bins of directions; 0 for a network without them."""
     units: int = 128
-    """Width of the embeddings."""
     hidden: int = 512
-    """Width between the two linear layers after attention."""
     layers: int = 6
-    """Layers of the encoder."""
 
     @property
     def blocks(self) -> dict[str, str]:

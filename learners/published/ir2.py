@@ -21,18 +21,9 @@ from scipy.ndimage import label
 
 from indoor_explorers.env.grid.arrays import Belief, Cell, Mask
 from indoor_explorers.env.grid.cells import FREE
-from indoor_explorers.learners.published.ariadne import lattice
+from indoor_explorers.learners.published import lattice
 from indoor_explorers.learners.published.checkpoint import Published, Sizes
-from indoor_explorers.learners.published.lattice import (
-    Indices,
-    Points,
-    clear_lines,
-    moved_left,
-    nearest,
-    straight_edges,
-    walk_to,
-    walks,
-)
+from indoor_explorers.learners.published.lattice import Indices, Points
 from indoor_explorers.learners.published.routes import GlobalGraph
 from indoor_explorers.learners.published.sighted import Observation, SightedNodes, resolution
 from indoor_explorers.planners.toolbox.peers.clone import PublishedCode
@@ -69,7 +60,7 @@ class Ir2Graph:
     def __init__(self, shape: tuple[int, int], lidar_range: float) -> None:
         scale = resolution(lidar_range, RANGE, BLOCK)
         self._cells = scale.cells
-        self._lattice = lattice(shape, (SPACING * scale.cells, SPACING * scale.cells))
+        self._lattice = lattice.lattice_points(shape, (SPACING * scale.cells, SPACING * scale.cells))
         self._nodes = SightedNodes(shape, scale, UTILITY_RANGE * scale.cells)
         self.routes = GlobalGraph(shape, scale.cells)
         self._way: list[Cell] = []
@@ -133,22 +124,22 @@ class Ir2Graph:
         """Return the nodes (N, K) that each node leads to: by long edges of the global graph, then to the nearest."""
         cells = self._nodes.cells
         long = self.routes.long_edges(belief, cells, AROUND_UAV, NEIGHBOURS)
-        near = nearest(cells, cells, NEIGHBOURS)
+        near = lattice.nearest(cells, cells, NEIGHBOURS)
         room = np.arange(near.shape[1]) < NEIGHBOURS - (long >= 0).sum(axis=1, keepdims=True)
         repeated = (near[:, :, None] == long[:, None]).any(axis=2)
-        short = straight_edges(belief, cells, np.where(room & ~repeated, near, -1))
-        return moved_left(np.concatenate([long, short], axis=1))[:, :NEIGHBOURS]
+        short = lattice.straight_edges(belief, cells, np.where(room & ~repeated, near, -1))
+        return lattice.moved_left(np.concatenate([long, short], axis=1))[:, :NEIGHBOURS]
 
     def _rendezvous(self, belief: Belief, near: Indices, own: int, mates: Mapping[Cell, float]) -> NDArray[np.float64]:
         """Return the rendezvous utility (N,): along the ways to teammates out of contact, most at their ends."""
         found = np.zeros(len(self._nodes.cells))
         apart = {mate: share for mate, share in mates.items() if share >= LEAST_SHARE}
         if apart:
-            length, before = walks(self._nodes.cells, near, own)
+            length, before = lattice.walks(self._nodes.cells, near, own)
             for mate, share in apart.items():
                 end = self._nodes.index(mate)
                 if end != own and np.isfinite(length[end]):
-                    way = self._nodes.cells[walk_to(before, end)]
+                    way = self._nodes.cells[lattice.walk_to(before, end)]
                     found = np.maximum(found, self._along(belief, self._filled(way), SHARE * share))
         found[self._within(self._nodes.cells[own], WITHOUT)] = 0.0
         return found
@@ -166,7 +157,7 @@ class Ir2Graph:
         found = np.zeros(len(self._nodes.cells))
         for k, point in enumerate(way[::-1]):
             close = np.flatnonzero(self._within(point, SHARED))
-            sight = close[clear_lines(belief, np.tile(point, (len(close), 1)), self._nodes.cells[close])]
+            sight = close[lattice.clear_lines(belief, np.tile(point, (len(close), 1)), self._nodes.cells[close])]
             found[sight] = np.maximum(found[sight], most - k * most / len(way) + CONSTANT)
         return found
 

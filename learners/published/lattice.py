@@ -104,6 +104,15 @@ def frontier_points(belief: NDArray[np.uint8], side: int) -> Points:
     return np.argwhere(found) * side
 
 
+def lattice_points(shape: tuple[int, int], spacing: tuple[float, float]) -> Points:
+    """Return the points (N, 2) of a lattice on an (H, W) map, column by column; ``spacing`` is in cells."""
+    rows, cols = (
+        np.unique(np.round(np.arange(int((size - 1) / step + 1e-9) + 1) * step).astype(np.int64))
+        for size, step in zip(shape, spacing, strict=True)
+    )
+    return np.stack([np.tile(rows, len(cols)), np.repeat(cols, len(rows))], axis=1)
+
+
 def nearest(points: Points, to: Points, k: int) -> Indices:
     """Return the k nearest of (N, 2) points to each of (M, 2), nearest first, by number at equal distance, (M, K)."""
     asked = min(k + _TIES, len(points))
@@ -126,10 +135,15 @@ def moved_left(near: Indices) -> Indices:
     return np.take_along_axis(near, np.argsort(near < 0, axis=1, kind="stable"), axis=1)
 
 
+def pairs_of(near: Indices) -> Indices:
+    """Return the edges of (N, K) neighbours, -1 for none, as pairs (P, 2) of nodes."""
+    rows, places = np.nonzero(near >= 0)
+    return np.stack([rows, near[rows, places]], axis=1)
+
+
 def walks(nodes: Points, near: Indices, start: int) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
     """Return the lengths (N,) of shortest walks along the edges, either way, and the node before each, (N,)."""
-    rows, places = np.nonzero(near >= 0)
-    ends = near[rows, places]
+    rows, ends = pairs_of(near).T
     lengths = np.maximum(np.hypot(*(nodes[rows] - nodes[ends]).T), 1e-9)
     graph = csr_array((lengths, (rows, ends)), shape=(len(nodes), len(nodes)))
     found, before = dijkstra(graph, directed=False, indices=[start], return_predecessors=True)

@@ -23,7 +23,6 @@ from indoor_explorers.env.grid.cells import FREE
 from indoor_explorers.learners.attention.network import Array
 from indoor_explorers.learners.published.checkpoint import Published, Sizes
 from indoor_explorers.learners.published.lattice import Indices, Points, clear_lines, frontier_points, walk_to, walks
-from indoor_explorers.learners.published.quadtree import in_order
 from indoor_explorers.learners.published.sighted import Directions, Observation, SightedNodes, resolution
 from indoor_explorers.planners.toolbox.peers.clone import PublishedCode
 
@@ -52,6 +51,8 @@ METRES, POINTS = 112.0, 78.0
 #: Headings offered at each node; bins to each side that the camera covers, and those that a heading without frontier
 #: points covers before its own: the published code counts these in degrees.
 HEADINGS, HALF_VIEW, BEFORE = 3, 6, 24
+#: Half the side of the quadtree in distances of nodes; nodes of a leaf.
+HALF, CAPACITY = 125.0, 4
 
 
 class MarvelGraph:
@@ -224,3 +225,32 @@ def _bins(moves: Points) -> Indices:
 def _covered(counts: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the points within the camera's view for each heading, (N, 36), of (N, 36) points by direction."""
     return np.asarray(sum(np.roll(counts, shift, axis=1) for shift in range(-HALF_VIEW, HALF_VIEW + 1)))
+
+
+def in_order(places: Sequence[tuple[int, int]]) -> NDArray[np.int64]:
+    """Return the order (N,) in which nodes are listed, of (x, y) places on the lattice in the order of insertion.
+
+    The network convolves over the nodes, so that its outputs depend on their order. The published code keeps them in a
+    quadtree (Finkel and Bentley 1974) over 1,000 m around the start, and lists them leaf by leaf: upper left, upper
+    right, lower left, lower right; in a leaf, in their order of insertion.
+    """
+    half, furthest = HALF, max((max(map(abs, place)) for place in places), default=0)
+    while half < furthest:
+        half *= 2
+    points = np.array(places, np.float64).reshape(-1, 2)
+    return _listed(points, np.arange(len(points)), np.zeros(2), half)
+
+
+def _listed(
+    points: NDArray[np.float64], nodes: NDArray[np.int64], centre: NDArray[np.float64], half: float
+) -> NDArray[np.int64]:
+    """Return the nodes of a square, leaf by leaf."""
+    if len(nodes) <= CAPACITY:
+        return nodes
+    right, below = (points[nodes] >= centre)[:, 0], (points[nodes] < centre)[:, 1]
+    quarters = [(-1, 1), (1, 1), (-1, -1), (1, -1)]
+    parts = [nodes[(right == (x > 0)) & (below == (y < 0))] for x, y in quarters]
+    middles = [centre + np.array(quarter) * (half / 2) for quarter in quarters]
+    return np.concatenate(
+        [_listed(points, part, middle, half / 2) for part, middle in zip(parts, middles, strict=True)]
+    )

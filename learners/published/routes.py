@@ -15,17 +15,8 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
 from indoor_explorers.env.grid.arrays import Belief, Cell, Mask
-from indoor_explorers.learners.published.lattice import (
-    Indices,
-    Points,
-    clear_lines,
-    frontier_points,
-    moved_left,
-    nearest,
-    straight_edges,
-    walk_to,
-    walks,
-)
+from indoor_explorers.learners.published import lattice
+from indoor_explorers.learners.published.lattice import Indices, Points
 
 NEIGHBOURS = 30
 #: Pixels: the longest edge; how far branches reach, and how far their ends are from all other nodes.
@@ -65,11 +56,13 @@ class GlobalGraph:
             there = np.concatenate([self.cells, nodes[added]]) - nodes[node]
             if not close[node] or (np.hypot(*there.T) < APART * self._pixel).any():
                 continue
-            if clear_lines(belief, nodes[own : own + 1], nodes[node : node + 1])[0]:
+            if lattice.clear_lines(belief, nodes[own : own + 1], nodes[node : node + 1])[0]:
                 added.append(int(node))
                 continue
-            graph = graph or walks(nodes, straight_edges(belief, nodes, nearest(nodes, nodes, NEIGHBOURS)), own)
-            added += walk_to(graph[1], int(node)) if np.isfinite(graph[0][node]) else []
+            graph = graph or lattice.walks(
+                nodes, lattice.straight_edges(belief, nodes, lattice.nearest(nodes, nodes, NEIGHBOURS)), own
+            )
+            added += lattice.walk_to(graph[1], int(node)) if np.isfinite(graph[0][node]) else []
         self.add([divmod(flat, self._width) for flat in (nodes[added] @ (self._width, 1)).tolist()])
 
     def thin(self, belief: Belief, choices: int, uavs: list[Cell]) -> None:
@@ -77,55 +70,50 @@ class GlobalGraph:
         if not len(self.cells) or (choices % PERIOD and len(self.cells) <= MOST):
             return
         done, kept = self._protected(belief, uavs), np.ones(len(self.cells), np.bool_)
+        parts = self._parts(belief, kept)
         for node in range(len(self.cells)):
-            if done[node]:
-                continue
             close = np.hypot(*(self.cells - self.cells[node]).T) < MERGED * self._pixel
             merged = close & kept & ~done & (np.arange(len(close)) != node)
-            if merged.any() and self._parts(belief, kept & ~merged) <= self._parts(belief, kept):
+            if not done[node] and merged.any() and self._parts(belief, kept & ~merged) <= parts:
                 kept &= ~merged
                 done |= merged
                 done[node] = True
         self.cells = self.cells[kept]
 
     def long_edges(self, belief: Belief, nodes: Points, least: float, most: int) -> Indices:
-        """Return the edges longer than ``least`` pixels from each of (N, 2) nodes, (N, K <= most), -1 for none."""
+        """Return the edges longer than ``least`` pixels from each of (N, 2) nodes, (N, most), -1 for none."""
         out = np.full((len(nodes), most), -1, np.int64)
-        if not len(self.cells):
-            return out[:, :0]
-        flat, mine = nodes @ (self._width, 1), self.cells @ (self._width, 1)
+        pairs, length = self._edges(belief, self.cells)
+        flat = nodes @ (self._width, 1)
         order = np.argsort(flat)
-        number = order[np.searchsorted(flat, mine, sorter=order)]  # all of these are nodes
-        near = self._edges(belief, self.cells)
-        away = np.hypot(*(self.cells[:, None] - self.cells[near]).transpose(2, 0, 1))
-        long = moved_left(np.where((near >= 0) & (away > least * self._pixel), number[near], -1))[:, :most]
-        out[number, : long.shape[1]] = long
-        return out[:, : max(1, int((out >= 0).sum(axis=1).max()))]
-
-    def _edges(self, belief: Belief, cells: Points) -> Indices:
-        """Return the nodes that each of (M, 2) is joined to, nearest first, (M, K), -1 for none."""
-        near = nearest(cells, cells, NEIGHBOURS)
-        away = np.hypot(*(cells[:, None] - cells[near]).transpose(2, 0, 1))
-        near = straight_edges(belief, cells, np.where(away <= LONGEST * self._pixel, near, -1))
-        starts, places = np.nonzero(near >= 0)
-        pairs = np.stack([starts, near[starts, places]], axis=1)
-        pairs = np.unique(np.concatenate([pairs, pairs[:, ::-1]]), axis=0)
-        pairs = pairs[np.lexsort((np.hypot(*(cells[pairs[:, 0]] - cells[pairs[:, 1]]).T), pairs[:, 0]))]
-        counts = np.bincount(pairs[:, 0], minlength=len(cells))
-        out = np.full((len(cells), counts.max()), -1, np.int64)
-        out[pairs[:, 0], np.arange(len(pairs)) - np.repeat(np.cumsum(counts) - counts, counts)] = pairs[:, 1]
+        number = order[np.searchsorted(flat, self.cells @ (self._width, 1), sorter=order)]  # all of these are nodes
+        pairs = pairs[length > least * self._pixel]
+        place = np.arange(len(pairs)) - np.searchsorted(pairs[:, 0], pairs[:, 0])
+        near, place = number[pairs[place < most]], place[place < most]
+        out[near[:, 0], place] = near[:, 1]
         return out
+
+    def _edges(self, belief: Belief, cells: Points) -> tuple[Indices, NDArray[np.float64]]:
+        """Return the pairs (P, 2) of (M, 2) cells that are joined, either way, nearest first, and lengths (P,)."""
+        if not len(cells):
+            return np.empty((0, 2), np.int64), np.empty(0)
+        pairs = lattice.pairs_of(lattice.nearest(cells, cells, NEIGHBOURS))
+        pairs = pairs[np.hypot(*(cells[pairs[:, 0]] - cells[pairs[:, 1]]).T) <= LONGEST * self._pixel]
+        pairs = pairs[lattice.clear_lines(belief, cells[pairs[:, 0]], cells[pairs[:, 1]])]
+        pairs = np.unique(np.concatenate([pairs, pairs[:, ::-1]]), axis=0)
+        length = np.hypot(*(cells[pairs[:, 0]] - cells[pairs[:, 1]]).T)
+        order = np.lexsort((length, pairs[:, 0]))
+        return pairs[order], length[order]
 
     def _protected(self, belief: Belief, uavs: list[Cell]) -> Mask:
         """Return which nodes are near a frontier or a UAV, (M,) bool."""
-        points = np.concatenate([frontier_points(belief, 1), np.array(uavs)])
+        points = np.concatenate([lattice.frontier_points(belief, 1), np.array(uavs)])
         reach = np.where(np.arange(len(points)) < len(points) - len(uavs), PROTECTED, MERGED) * self._pixel
         away = np.hypot(*(self.cells[:, None] - points[None]).transpose(2, 0, 1))
         return np.asarray((away < reach).any(axis=1))
 
     def _parts(self, belief: Belief, kept: Mask) -> int:
         """Return how many connected parts the graph of some of the nodes has."""
-        near = self._edges(belief, self.cells[kept])
-        rows, places = np.nonzero(near >= 0)
-        graph = csr_array((np.ones(len(rows)), (rows, near[rows, places])), shape=(len(near), len(near)))
+        pairs, length = self._edges(belief, self.cells[kept])
+        graph = csr_array((length, tuple(pairs.T)), shape=(int(kept.sum()),) * 2)
         return int(connected_components(graph, directed=False)[0])

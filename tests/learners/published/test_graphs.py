@@ -11,8 +11,7 @@ from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.learners.published.ariadne import NEIGHBOURS, AriadneGraph
 from indoor_explorers.learners.published.ir2 import Ir2Graph
 from indoor_explorers.learners.published.lattice import clear_lines
-from indoor_explorers.learners.published.marvel import BINS, HALF_VIEW, MarvelGraph
-from indoor_explorers.learners.published.quadtree import in_order
+from indoor_explorers.learners.published.marvel import BINS, HALF_VIEW, MarvelGraph, in_order
 from indoor_explorers.learners.published.sighted import Observation
 from tests.learners.published.recorded import FROZEN, State, belief_of, cells_of, states_of
 
