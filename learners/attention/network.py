@@ -73,19 +73,36 @@ def scores(graph: Graph, loaded: Loaded) -> Array:
     """Return the scores of the K neighbours of node 0, (K,): logits of the policy; -inf where there is none."""
     weights, heads = loaded.weights, loaded.network.heads
     near = np.concatenate([np.arange(len(graph.cells))[:, None], graph.neighbours], axis=1)
-    there = near >= 0
-    x = _linear(graph.features, weights, "embed")
-    for k in range(loaded.network.layers):
-        x = _block(x, x, near, there, weights, f"layers.{k}", heads)
-    everything = np.arange(len(x))[None]
-    own = _block(x[:1], x, everything, np.ones_like(everything, np.bool_), weights, "decoder", heads)
-    query = _linear(np.concatenate([own, x[:1]], axis=1), weights, "joined") @ weights["pointer_query.weight"].T
-    keys = x[graph.neighbours[0]] @ weights["pointer_key.weight"].T
-    found = CLIP * np.tanh(keys @ query[0] / np.float32(np.sqrt(len(query[0]))))
+    x = encoded(graph.features, near, weights, loaded.network.layers, heads)
+    found = pointed(decoded(x, 0, weights, heads), x[graph.neighbours[0]], weights)
     return np.where(graph.neighbours[0] >= 0, found, np.float32(-np.inf))
 
 
-def _linear(x: Array, weights: Weights, name: str) -> Array:
+def encoded(features: Array, near: NDArray[np.integer], weights: Weights, layers: int, heads: int) -> Array:
+    """Return the (N, d) embeddings of N nodes after attention of each to the nodes ``near`` (N, K), -1 for none."""
+    x, there = linear(features, weights, "embed"), near >= 0
+    for k in range(layers):
+        x = _block(x, x, near, there, weights, f"layers.{k}", heads)
+    return x
+
+
+def decoded(x: Array, own: int, weights: Weights, heads: int) -> Array:
+    """Return the state (d,) of node ``own`` after attention to all of (N, d) nodes."""
+    everything = np.arange(len(x))[None]
+    node = x[own : own + 1]
+    seen = _block(node, x, everything, np.ones_like(everything, np.bool_), weights, "decoder", heads)
+    return np.asarray(linear(np.concatenate([seen, node], axis=1), weights, "joined")[0])
+
+
+def pointed(state: Array, options: Array, weights: Weights) -> Array:
+    """Return the pointer's scores (K,) of (K, d) options in a state (d,)."""
+    query = state @ weights["pointer_query.weight"].T
+    keys = options @ weights["pointer_key.weight"].T
+    return np.asarray(CLIP * np.tanh(keys @ query / np.float32(np.sqrt(len(query)))))
+
+
+def linear(x: Array, weights: Weights, name: str) -> Array:
+    """Return the rows of x (N, inputs) through the layer ``name``, (N, outputs)."""
     return np.asarray(x @ weights[f"{name}.weight"].T + weights[f"{name}.bias"])
 
 
@@ -108,16 +125,16 @@ def _block(
     units = x.shape[1]
     normed = _norm(memory, weights, f"{name}.before")
     first = normed if x is memory else _norm(x, weights, f"{name}.before")
-    query = _linear(first, weights, f"{name}.query").reshape(-1, heads, units // heads)
-    pair = _linear(normed, weights, f"{name}.pair").reshape(-1, 2, heads, units // heads)[near]
+    query = linear(first, weights, f"{name}.query").reshape(-1, heads, units // heads)
+    pair = linear(normed, weights, f"{name}.pair").reshape(-1, 2, heads, units // heads)[near]
     logits = np.einsum("qhd,qkhd->qhk", query, pair[:, :, 0]) / np.float32(np.sqrt(units // heads))
     logits = np.where(there[:, None], logits, np.float32(-np.inf))
     shares = np.exp(logits - logits.max(axis=-1, keepdims=True))
     shares /= shares.sum(axis=-1, keepdims=True)
     mixed = np.einsum("qhk,qkhd->qhd", shares, pair[:, :, 1]).reshape(-1, units)
-    x = x + _linear(mixed, weights, f"{name}.out")
-    hidden = np.maximum(_linear(_norm(x, weights, f"{name}.between"), weights, f"{name}.wide"), 0.0)
-    return np.asarray(x + _linear(hidden, weights, f"{name}.narrow"))
+    x = x + linear(mixed, weights, f"{name}.out")
+    hidden = np.maximum(linear(_norm(x, weights, f"{name}.between"), weights, f"{name}.wide"), 0.0)
+    return np.asarray(x + linear(hidden, weights, f"{name}.narrow"))
 
 
 def write_weights(path: Path, loaded: Loaded) -> None:

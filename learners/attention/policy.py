@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -16,19 +17,14 @@ from indoor_explorers.env.policies.policy import TRAINED_GOAL, Policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.learners.attention.graph import USEFUL, Graph, Surroundings, known_graph
 from indoor_explorers.learners.attention.network import Loaded, load_weights, scores
+from indoor_explorers.learners.attention.pilot import PATIENCE, NodePilot
 from indoor_explorers.learners.sessions.record import RecordedWeights, digest_of
-from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
-from indoor_explorers.planners.toolbox.navigation.teammates import claims, message_of, remembered
+from indoor_explorers.planners.toolbox.navigation.teammates import claims, remembered
 from indoor_explorers.planners.toolbox.networks.tensors import WEIGHTS
 
-#: Lidar ranges of flight without growth of the map after which the guard acts.
-PATIENCE = 6.0
 
-
-class AttentionPilot(GoalPilot):
+class AttentionPilot(NodePilot):
     """Choose among the neighbours of the UAV's node, fly to the chosen one, and choose again there.
-
-    Where no node has a frontier cell in view, and where the guard acts, it flies to the nearest frontier cell.
 
     Args:
         briefing: Briefing of the UAV.
@@ -37,40 +33,18 @@ class AttentionPilot(GoalPilot):
 
     """
 
-    straight = True
-
     def __init__(self, briefing: Briefing, loaded: Loaded, *, guard: bool) -> None:
-        super().__init__(briefing)
-        self._loaded, self._guard = loaded, guard
-        self._to_frontier, self._last_growth, self._guarded = False, 0, 0
+        super().__init__(briefing, patience=PATIENCE if guard else inf)
+        self._loaded = loaded
 
-    def act(self, view: View) -> int:
-        """Follow the path to the chosen node, and tell the teammates which."""
-        action = super().act(view)
-        self.message = message_of(self.goal)
-        return action
-
-    def on_map_growth(self, view: View) -> None:
-        """Store the step, for the guard."""
-        self._last_growth = view.step
-
-    def is_spent(self, view: View, goal: Cell) -> bool:
-        """Tell whether the goal is reached; a frontier cell is also spent when it is none any more."""
-        return view.cell == goal or (self._to_frontier and super().is_spent(view, goal))
-
-    def choose(self, view: View) -> Cell | None:
-        """Return the chosen node."""
-        self._to_frontier = self._guard and view.step - self._last_growth > self.steps_in(PATIENCE)
-        self._guarded += self._to_frontier
-        if not self._to_frontier:
-            graph = self.observe(view)
-            options = graph.neighbours[0]
-            allowed = (options >= 0) & ~self.near_banned(view, graph.cells[options])
-            if allowed.any() and graph.features[:, USEFUL].any():
-                chosen = options[self.pick(view, graph, allowed)]
-                return divmod(int(graph.cells[chosen]), self.paths.width)
-            self._to_frontier = True
-        return self.nearest_frontier(view)
+    def chosen_node(self, view: View) -> Cell | None:
+        """Return the neighbour with the highest score."""
+        graph = self.observe(view)
+        options = graph.neighbours[0]
+        allowed = (options >= 0) & ~self.near_banned(view, graph.cells[options])
+        if not allowed.any() or not graph.features[:, USEFUL].any():
+            return None
+        return divmod(int(graph.cells[options[self.pick(view, graph, allowed)]]), self.paths.width)
 
     def surroundings(self, view: View) -> Surroundings:
         """Return what the graph tells of teammates."""
@@ -86,10 +60,6 @@ class AttentionPilot(GoalPilot):
     def pick(self, view: View, graph: Graph, allowed: Mask) -> int:
         """Return which neighbour of node 0 has the highest score, among those ``allowed`` (K,)."""
         return int(np.where(allowed, scores(graph, self._loaded), -np.inf).argmax())
-
-    def tally(self) -> dict[str, float]:
-        """Return the tally of every such pilot, and the number of goals chosen by the guard."""
-        return super().tally() | {"guarded_choices": float(self._guarded)}
 
 
 def probabilities(found: NDArray[np.float32], allowed: Mask) -> NDArray[np.float64]:
