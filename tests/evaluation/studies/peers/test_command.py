@@ -45,13 +45,13 @@ def _rows(folder: Path) -> list[dict[str, str]]:
 def test_flights_are_kept_and_compared_with_the_expert(clone: Path, tmp_path: Path, capsys) -> None:
     """The same command goes on where it stopped, and another one adds to the folder."""
     out = tmp_path / "out"
-    assert _peer(clone, "--policies", "graph-tour,expert", "--maps", "2", "--out", str(out)) == 0
+    assert _peer(clone, "--policies", "frontier-tour,expert", "--maps", "2", "--out", str(out)) == 0
     told = capsys.readouterr().out
-    assert "graph-tour on 1: 110 m, 25 moves" in told
+    assert "frontier-tour on 1: 110 m, 25 moves" in told
     assert "2 maps of DARE, by its own rules" in told
     assert [row["map"] for row in _rows(out)] == ["1", "1", "10", "10"]
     first = (out / "flights.csv").read_bytes()
-    assert _peer(clone, "--policies", "graph-tour,expert", "--maps", "2", "--out", str(out)) == 0
+    assert _peer(clone, "--policies", "frontier-tour,expert", "--maps", "2", "--out", str(out)) == 0
     told = capsys.readouterr().out
     assert " on " not in told.split("maps of DARE")[0]
     assert "0.842" in told  # 110 m against the 131 m of the nearest useful node
@@ -62,9 +62,9 @@ def test_flights_are_kept_and_compared_with_the_expert(clone: Path, tmp_path: Pa
 
 def test_flights_are_reported_rows_that_say_where_they_were_measured(clone: Path, tmp_path: Path, capsys) -> None:
     out = tmp_path / "out"
-    _peer(clone, "--policies", "graph-tour", "--maps", "1", "--out", str(out))
+    _peer(clone, "--policies", "frontier-tour", "--maps", "1", "--out", str(out))
     (policy,) = read_reported(out)
-    assert policy.name == "graph-tour in DARE"
+    assert policy.name == "frontier-tour in DARE"
     assert policy.source.measured
     (row,) = policy.rows
     assert (row.scenario, row.map, row.team, row.budget, row.success) == (SCENARIO, "1", 1, 128, 1.0)
@@ -72,21 +72,23 @@ def test_flights_are_reported_rows_that_say_where_they_were_measured(clone: Path
     capsys.readouterr()
     assert main(["report", str(out), "--out", str(tmp_path / "page.html")]) == 0
     told = " ".join(capsys.readouterr().out.split())
-    assert "graph-tour in DARE \N{PILCROW SIGN} measured here in the simulator of Y. Cao et al., DARE" in told
+    assert "frontier-tour in DARE \N{PILCROW SIGN} measured here in the simulator of Y. Cao et al., DARE" in told
     assert "not flown in this world" in told
 
 
 def test_a_failure_costs_one_flight_which_is_flown_again(clone: Path, tmp_path: Path, capsys, monkeypatch) -> None:
     out = tmp_path / "out"
     monkeypatch.setenv("FAILS_ON", "10.png")
-    assert _peer(clone, "--policies", "graph-tour", "--maps", "1.png,10.png,2.png", "--out", str(out)) == 1
+    assert _peer(clone, "--policies", "frontier-tour", "--maps", "1.png,10.png,2.png", "--out", str(out)) == 1
     told = capsys.readouterr()
-    assert "graph-tour on 10: the process of DARE ended with exit code 7; it printed: no memory for the map" in told.err
+    assert (
+        "frontier-tour on 10: the process of DARE ended with exit code 7; it printed: no memory for the map" in told.err
+    )
     assert [bool(row["failure"]) for row in _rows(out)] == [False, True, False]
     assert len(read_reported(out)[0].rows) == 2
     monkeypatch.delenv("FAILS_ON")
-    assert _peer(clone, "--policies", "graph-tour", "--maps", "1.png,10.png,2.png", "--out", str(out)) == 0
-    assert capsys.readouterr().out.count("graph-tour on") == 1
+    assert _peer(clone, "--policies", "frontier-tour", "--maps", "1.png,10.png,2.png", "--out", str(out)) == 0
+    assert capsys.readouterr().out.count("frontier-tour on") == 1
     assert [row["failure"] for row in _rows(out)] == ["", "", ""]
 
 
@@ -97,7 +99,7 @@ def test_a_failure_costs_one_flight_which_is_flown_again(clone: Path, tmp_path: 
         (["--maps", "5"], "got '5'; there are 4 maps"),
         (["--policies", "frontir"], "did you mean 'frontier'?"),
         (["--policies", "frontier,frontier"], "expected different policies, got one twice"),
-        (["--policies", "frontier-nearest", "--adapter", "nodes"], "does not choose by sequences"),
+        (["--policies", "frontier-nearest", "--adapter", "nodes"], "has no rule for nodes"),
     ],
 )
 def test_wrong_options_are_one_line(clone: Path, capsys, more: list[str], told: str) -> None:
@@ -108,7 +110,7 @@ def test_wrong_options_are_one_line(clone: Path, capsys, more: list[str], told: 
 
 
 def test_another_clone_or_interpreter_is_one_line(clone: Path, capsys) -> None:
-    assert _peer(clone, "--policies", "graph-tour", python="/no/python") == 2
+    assert _peer(clone, "--policies", "frontier-tour", python="/no/python") == 2
     assert "/no/python: expected a Python interpreter, cannot start it" in capsys.readouterr().err
     (clone / "parameter.py").write_bytes(b"CELL_SIZE = 0.2\n")
     assert _peer(clone) == 2
