@@ -12,7 +12,8 @@ import pytest
 from indoor_explorers.evaluation.cli import main
 from indoor_explorers.evaluation.harness.reported.rows import read_reported
 from indoor_explorers.evaluation.studies.peers import dare
-from indoor_explorers.evaluation.studies.peers.results import SCENARIO
+from indoor_explorers.evaluation.studies.peers.flights import EXPERT, Flight
+from indoor_explorers.evaluation.studies.peers.results import SCENARIO, flight_table
 
 #: A clone of DARE and the interpreter of its environment, for the tests with the real simulator.
 CLONE, PYTHON = os.environ.get("DARE_CLONE"), os.environ.get("DARE_PYTHON")
@@ -138,3 +139,27 @@ def test_the_real_simulator_and_its_expert(tmp_path: Path) -> None:
     expert, frontier = _rows(out)
     assert (expert["moves"], round(float(expert["metres"]))) == ("72", 471)
     assert frontier["done"] == "True"
+
+
+def test_flights_that_did_not_end_make_bounds() -> None:
+    """What one of the two never reached counts with all that it flew, and a sign says in which direction."""
+
+    def flight(policy: str, name: str, metres: float, done: bool) -> Flight:
+        known = {"metres_90": metres / 2, "metres_99": metres if done else None}
+        return Flight(policy=policy, chosen_by="nodes", map=name, seed=0, metres=metres, done=done, moves=9, **known)
+
+    maps = [str(number) for number in range(8)]
+    mine = [flight("frontier", name, 90.0, name != "3") for name in maps]
+    theirs = [flight(EXPERT, name, 100.0, True) for name in maps]
+    frontier, expert = flight_table([*mine, *theirs], ["frontier", EXPERT]).rows
+    told = [cell.line for cell in frontier.cells]
+    assert told[1] == "88\N{NARROW NO-BREAK SPACE}%"
+    assert told[3:] == [
+        "45",
+        "0.900 [0.900, 0.900]",
+        "> 90",
+        "> 0.900 [0.900, 0.900]",
+        "> 90",
+        "> 0.900 [0.900, 0.900]",
+    ]
+    assert [cell.text for cell in expert.cells[3:]] == ["50", "\N{EN DASH}", "100", "\N{EN DASH}", "100", "\N{EN DASH}"]
