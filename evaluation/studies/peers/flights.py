@@ -11,6 +11,7 @@ import numpy as np
 from pydantic import TypeAdapter
 
 from indoor_explorers.env import Briefing, InputError, Policy, Scenario, make_policy
+from indoor_explorers.env.errors import described
 from indoor_explorers.env.files import written_whole
 from indoor_explorers.evaluation.harness.reported.rows import Strict
 from indoor_explorers.evaluation.studies.peers.by_cells import SCALE, CellChoice, shown_shape
@@ -49,7 +50,7 @@ class Flight(Strict):
     done: bool = False
     """Whether it ended because nothing was left to see by the simulator's own rule."""
     failure: str | None = None
-    """Why the simulator failed; such a flight is flown again next time."""
+    """Why the simulator or the policy failed; such a flight is flown again next time."""
 
     @property
     def key(self) -> tuple[str, str, int]:
@@ -61,12 +62,15 @@ def chosen_by(policy: str, adapter: Adapter) -> ChosenBy:
     """Return how a policy is flown.
 
     Raises:
-        InputError: there is no such policy, or it cannot be flown by nodes.
+        InputError: there is no such policy, or it cannot be flown so.
 
     """
     if policy == EXPERT:
         return "own"
-    by_nodes = _rule(make_policy(policy)) is not None
+    made = make_policy(policy)
+    if made.privileged:
+        raise InputError(f"policy {policy!r} needs the true map, which the simulator does not give; leave it out")
+    by_nodes = _rule(made) is not None
     if adapter == "nodes" and not by_nodes:
         raise InputError(f"--adapter nodes: policy {policy!r} has no rule for nodes; use auto or cells")
     return "nodes" if by_nodes and adapter != "cells" else "cells"
@@ -97,7 +101,7 @@ def _chooser(policy: str, how: ChosenBy, shape: tuple[int, ...], seed: int) -> C
 
 
 def fly(simulator: DareSimulator, policy: str, adapter: Adapter, name: str, seed: int) -> Flight:
-    """Fly one episode; a failure of the simulator's process is told in the flight.
+    """Fly one episode; a failure of the simulator's process or of the policy is told in the flight.
 
     Raises:
         InputError: the process cannot be started.
@@ -112,8 +116,11 @@ def fly(simulator: DareSimulator, policy: str, adapter: Adapter, name: str, seed
         while not state.done and flight.moves < MOST_MOVES and len(state.useful):
             state = simulator.move(None if chooser is None else state.first_move(chooser.choose(state)))
             flight = _seen(flight, state, flight.moves + 1)
-    except PeerFailure as failure:
-        return flight.model_copy(update={"failure": str(failure)})
+    except InputError:
+        raise
+    except Exception as error:
+        told = str(error) if isinstance(error, PeerFailure) else described(error)
+        return flight.model_copy(update={"failure": told})
     return flight
 
 

@@ -9,6 +9,7 @@ from indoor_explorers.evaluation.studies.peers.by_cells import SCALE, shown
 from indoor_explorers.evaluation.studies.peers.flights import EXPERT, chosen_by, fly
 from indoor_explorers.evaluation.studies.peers.graph import GraphState
 from indoor_explorers.evaluation.studies.peers.tours import TourPlanner
+from indoor_explorers.planners.random_walk import RandomWalkPilot
 from tests.evaluation.studies.peers import lattice
 
 TOUR = "frontier-tour"
@@ -119,3 +120,15 @@ def test_the_shown_map_has_the_frontier_of_the_simulator_alone(state: GraphState
 def test_a_policy_without_sequences_cannot_be_flown_by_nodes() -> None:
     with pytest.raises(InputError, match="policy 'frontier-nearest' has no rule for nodes; use auto or cells"):
         chosen_by("frontier-nearest", "nodes")
+
+
+def test_a_policy_that_needs_the_true_map_is_refused() -> None:
+    with pytest.raises(InputError, match="policy 'reference' needs the true map, which the simulator does not give"):
+        chosen_by("reference", "auto")
+
+
+def test_a_policy_that_raises_fails_its_flight_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(RandomWalkPilot, "act", lambda self, view: dict[str, int]()["action"])
+    flight = _flown("random")
+    assert flight.failure == "KeyError: 'action'"
+    assert not flight.done
