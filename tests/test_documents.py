@@ -27,6 +27,8 @@ SNIPPETS = {
 PRINTED = {f"{path.stem}-{number}": text for path in PAGES for number, text in enumerate(printed_of(path))}
 #: A script that trains for long; test_tabular_pictures.py trains with its functions, and compares what the page says.
 LONG = ("tabular-0",)
+#: Spares a comparison the figures for print, which would take most of its time.
+NO_FIGURES = "from indoor_explorers.evaluation import exports; exports.write_figures = lambda results, folder: []\n"
 COMPARISONS = [name for name, text in SNIPPETS.items() if "compare(" in text]
 
 
@@ -47,7 +49,7 @@ def test_a_snippet_runs_and_prints_what_the_page_says(name, tmp_path, monkeypatc
 )
 def test_a_comparison_runs_as_a_script_without_a_main_guard(name, tmp_path):
     script = SNIPPETS[name].replace("episodes=10", "episodes=2, workers=1")
-    (tmp_path / "snippet.py").write_text(script)
+    (tmp_path / "snippet.py").write_text(NO_FIGURES + script)
     done = subprocess.run([sys.executable, "snippet.py"], cwd=tmp_path, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stderr
 

@@ -1,5 +1,6 @@
 """The planner of its guide, installed as a package of its own and found through its entry point."""
 
+import json
 import os
 import re
 import subprocess
@@ -31,28 +32,45 @@ def installed(tmp_path_factory):
 NO_FIGURES = "from indoor_explorers.evaluation import exports; exports.write_figures = lambda results, folder: []\n"
 
 
-def command(env, *words, cwd, first=""):
-    code = f"{first}import sys; from indoor_explorers.evaluation.cli.parser import main; sys.exit(main())"
-    return subprocess.run(
-        [sys.executable, "-c", code, *words], env=env, cwd=cwd, capture_output=True, text=True, timeout=300
-    )
+#: Runs the command lines given as JSON one after the other; prints the status and the output of each as JSON.
+COMMANDS = """
+import contextlib, io, json, sys
+from indoor_explorers.evaluation.cli.parser import main
+outcomes = []
+for words in json.loads(sys.argv[1]):
+    with contextlib.redirect_stdout(io.StringIO()) as printed:
+        outcomes.append((main(words), printed.getvalue()))
+print(json.dumps(outcomes))
+"""
 
 
-def test_it_is_listed_with_its_owner(installed, tmp_path):
-    done = command(installed, "policies", cwd=tmp_path)
-    (line,) = [line for line in done.stdout.splitlines() if "wall-follower" in line and "Follow" in line]
+@pytest.fixture(scope="module")
+def outcomes(installed, tmp_path_factory):
+    """Status and output of the commands ``policies``, ``check`` and ``compare``, and the folder that they ran in."""
+    folder = tmp_path_factory.mktemp("folder")
+    flown = ["--policies", "wall-follower,random", "--scenario", "thesis-open", "--episodes", "2", "--workers", "1"]
+    lines = [["policies"], ["check", "wall-follower"], ["compare", *flown, "--out", "out"]]
+    words = [sys.executable, "-c", NO_FIGURES + COMMANDS, json.dumps(lines)]
+    done = subprocess.run(words, env=installed, cwd=folder, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
+    return *json.loads(done.stdout), folder
+
+
+def test_it_is_listed_with_its_owner(outcomes):
+    (status, printed), *_ = outcomes
+    assert status == 0
+    (line,) = [line for line in printed.splitlines() if "wall-follower" in line and "Follow" in line]
     assert re.search(r"Follow the wall on the right\.\s+wall-follower", line)
 
 
-def test_it_passes_the_conformance_suite(installed, tmp_path):
-    done = command(installed, "check", "wall-follower", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
-    assert "no hidden knowledge" in done.stdout
+def test_it_passes_the_conformance_suite(outcomes):
+    _, (status, printed), *_ = outcomes
+    assert status == 0
+    assert "no hidden knowledge" in printed
 
 
-def test_it_is_compared_in_a_worker_process(installed, tmp_path):
-    words = ["compare", "--policies", "wall-follower,random", "--scenario", "thesis-open", "--episodes", "2"]
-    done = command(installed, *words, "--workers", "1", "--out", "out", cwd=tmp_path, first=NO_FIGURES)
-    assert done.returncode == 0, done.stderr
-    assert "wall-follower" in done.stdout
-    assert "wall-follower,thesis-open" in (tmp_path / "out" / "summary.csv").read_text()
+def test_it_is_compared_in_a_worker_process(outcomes):
+    *_, (status, printed), folder = outcomes
+    assert status == 0
+    assert "wall-follower" in printed
+    assert "wall-follower,thesis-open" in (folder / "out" / "summary.csv").read_text()

@@ -9,6 +9,7 @@ import shlex
 import sys
 import warnings
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, NoReturn, TextIO
 
@@ -100,7 +101,8 @@ def build_parser() -> argparse.ArgumentParser:
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command; returns its exit status."""
     words = list(sys.argv[1:] if argv is None else argv)
-    sys.path.append(str(Path.cwd()))  # so that module:Class finds a file of the current folder, as python -m would
+    with suppress(FileNotFoundError):  # the current folder was removed
+        sys.path.append(str(Path.cwd()))  # so that module:Class finds a file of the current folder, as python -m would
     kept = KEPT
     try:
         given = vars(build_parser().parse_args(_joined(words) or ["--help"]))

@@ -4,7 +4,11 @@ import re
 
 import pytest
 
-from .conftest import HOSTILE
+from indoor_explorers.evaluation.harness.experiment.experiment import Task
+from indoor_explorers.evaluation.report import write_report
+from tests.evaluation.report.records import made_up, results_of, room
+
+from .conftest import HOSTILE, opened
 
 VALUES = "cells => cells.map((cell) => cell.value)"
 
@@ -39,6 +43,25 @@ def test_a_narrow_screen_is_not_scrolled_sideways(page, width):
         assert box["x"] >= 0
         assert box["x"] + box["width"] <= width
     page.set_viewport_size({"width": 1280, "height": 900})
+
+
+@pytest.mark.parametrize("number", [1, 2, 3])
+def test_the_league_of_a_few_scenarios_fits_a_window_of_1300(browser, tmp_path, number):
+    rooms = [room(f"{name}-with-a-long-name") for name in ("obstacles", "floors", "team")[:number]]
+    lates = {"frontier-predictive-learned": 20.0, "frontier-nearest": 31.0, "reaches-it-now-and-then": 60.0}
+    records = [
+        made_up(name, Task(each.name, 0, seed), None if late == 60.0 and seed < place else late + seed % 5)
+        for place, each in enumerate(rooms, 2)
+        for name, late in lates.items()
+        for seed in range(12)
+    ]
+    results = results_of(records, *rooms)
+    results.policies["frontier-predictive-learned"]["uses_generator"] = True  # a wide badge
+    write_report(results, tmp_path / "report.html")
+    with opened(browser, (tmp_path / "report.html").as_uri(), viewport={"width": 1300, "height": 900}) as visited:
+        table = visited.page.locator(".scroll:has(> .league)")
+        assert table.locator("svg.dot-plot").count() == len(lates) * number
+        assert table.evaluate("box => box.scrollWidth <= box.clientWidth")
 
 
 def test_print_leaves_the_controls_out_and_folds_again(page):

@@ -26,7 +26,12 @@ def steps(name: str) -> int:
 
 
 @pytest.mark.parametrize(
-    ("name", "share"), [("frontier-joint", 0.9), ("frontier-latency", 0.95), ("rrt-aep", 0.95), ("reference", 0.9)]
+    ("name", "share"),
+    [
+        ("frontier-joint", 0.9),
+        *(pytest.param(*each, marks=pytest.mark.slow) for each in (("frontier-latency", 0.95), ("rrt-aep", 0.95))),
+        ("reference", 0.9),
+    ],
 )
 def test_it_needs_fewer_steps_than_the_nearest_frontier(name: str, share: float) -> None:
     assert steps(name) < share * steps("frontier-nearest")

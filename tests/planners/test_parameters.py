@@ -3,30 +3,33 @@
 from __future__ import annotations
 
 from math import inf, nan, nextafter
+from typing import Any
 
 import pytest
 
-from indoor_explorers.env import InputError, make_policy
+from indoor_explorers.env import InputError
 from indoor_explorers.env.policies.registry import policy_class
 from indoor_explorers.planners.toolbox.parameters import Bounds, Parameters, declared
 from tests.behaviour.policies import POLICIES
 
 INFORMED = "indoor_explorers.planners.frontier.informed:FrontierInformed"
-CHECKED = [name for name in (*POLICIES, INFORMED) if issubclass(policy_class(name), Parameters)]
-EVERY = [(name, key) for name in CHECKED for key in declared(policy_class(name))]
+KINDS = {name: policy_class(name) for name in (*POLICIES, INFORMED)}
+CHECKED = {name: kind for name, kind in KINDS.items() if issubclass(kind, Parameters)}
+EVERY = [(name, key) for name, kind in CHECKED.items() for key in declared(kind)]
 
 
 @pytest.mark.parametrize(("name", "key"), EVERY)
 def test_values_out_of_bounds_are_refused(name: str, key: str) -> None:
-    allowed = declared(policy_class(name))[key]
+    kind: type[Any] = CHECKED[name]
+    allowed = declared(kind)[key]
     if isinstance(allowed, Bounds):
         wrong = [nextafter(allowed.least, -inf), nextafter(allowed.most, inf), nan, "1"]
-        expected = f"{policy_class(name).__name__}: expected {key} of at least {allowed.least:g}"
+        expected = f"{kind.__name__}: expected {key} of at least {allowed.least:g}"
     else:
         wrong, expected = ["anything"], f"expected {key} to be one of {', '.join(allowed)}, got 'anything'"
     for value in wrong:
         with pytest.raises(InputError, match=expected):
-            make_policy(name, **{key: value})
+            kind(**{key: value})
 
 
 def test_nearly_every_number_of_a_planner_has_bounds() -> None:

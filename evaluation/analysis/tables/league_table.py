@@ -51,8 +51,19 @@ class LeagueCell(Cell):
     lead: str = ""
     """The difference from the lowest mean, task by task."""
     reached: str = ""
+    """The share of tasks that reached the threshold."""
     failed: str = ""
     """In how many episodes the policy failed, such as ``3 of 30``; empty for none."""
+
+    @property
+    def bounded(self) -> bool:
+        """Whether some episodes never reached the threshold, so that the mean is a lower bound."""
+        return self.text.startswith(AT_LEAST)
+
+    @property
+    def late(self) -> str:
+        """Such as ``67 % reached`` where some tasks never reached the threshold; empty where all did."""
+        return f"{self.reached} reached" if self.bounded and self.reached != EN_DASH else ""
 
 
 @dataclass(frozen=True)
@@ -68,11 +79,6 @@ class LeagueTable:
     reported: list[tuple[str, list[LeagueCell | None]]]
     """The reported policies that have a time to a threshold, which have no rank."""
 
-    def reached(self, cells: Sequence[LeagueCell | None]) -> str:
-        """Return the shares of tasks that reached the threshold, by scenario; a single one where they are the same."""
-        shares = [cell.reached if cell else EN_DASH for cell in cells]
-        return shares[0] if len(set(shares)) == 1 else " / ".join(shares)
-
     @property
     def tested(self) -> bool:
         """Whether there are ranks."""
@@ -86,7 +92,7 @@ class LeagueTable:
     @property
     def bounded(self) -> bool:
         """Whether some episodes never reached the threshold."""
-        return any(cell and cell.text.startswith(AT_LEAST) for _, cells in self.rows for cell in cells)
+        return any(cell and cell.bounded for _, cells in self.rows for cell in cells)
 
     @property
     def marked(self) -> bool:

@@ -60,7 +60,8 @@ def _imports(node: ast.AST) -> Iterator[str]:
     if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("indoor_explorers."):
         yield from (f"{node.module}.{alias.name}" for alias in node.names)
     for child in ast.iter_child_nodes(node):
-        yield from _imports(child)
+        if not isinstance(child, ast.expr):  # which holds no import
+            yield from _imports(child)
 
 
 def _draw(figure: Figure) -> None:

@@ -13,6 +13,9 @@ Each step goes through the same states, whatever the planner::
        |
     next_action: blocked twice by a teammate? detour, other frontier, or retreat; else the next cell of the path
 
+Without a goal a UAV stays where it is; in tasks that end once every UAV knows the map, it flies to teammates that lack
+parts of it (:class:`~.map_sharing.MapSharing`).
+
 If ``choose`` finds nothing, it is called once more without bans; and where maps can be wrong, with doubtful obstacles
 taken as unknown, as wrong ones may close a door. :class:`~.navigator.Navigator` follows the paths.
 """
@@ -32,6 +35,7 @@ from indoor_explorers.env.policies.policy import Pilot
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.search.frontiers import on_frontier
 from indoor_explorers.env.sensing.inverse_model import HIT
+from indoor_explorers.planners.toolbox.navigation.map_sharing import MapSharing
 from indoor_explorers.planners.toolbox.navigation.navigator import Navigator
 
 #: Log-odds up to which obstacles are doubted when no other goal is left, in turn.
@@ -63,6 +67,7 @@ class GoalPilot(Pilot):
         """Number of goals chosen so far."""
         self._grew_since_choice = False
         self._next_choice = inf
+        self._sharing = MapSharing(briefing, self.paths) if MapSharing.is_needed(briefing) else None
 
     @abstractmethod
     def choose(self, view: View) -> Cell | None:
@@ -107,7 +112,15 @@ class GoalPilot(Pilot):
             self.choose_goal(view)
         elif navigator.map_grew or navigator.is_off_path(view):
             navigator.find_path(view)
+        if self._sharing is not None:
+            self._share_map(view, self._sharing)
         return navigator.next_action(view)
+
+    def _share_map(self, view: View, sharing: MapSharing) -> None:
+        """Fly to a teammate that lacks parts of the map if there is no goal."""
+        sharing.observe(view)
+        if self.goal is None:
+            self.navigator.follow(sharing.path(view))
 
     def choose_goal(self, view: View) -> None:
         """Choose a goal and a path to it; a banned goal if there is no other."""

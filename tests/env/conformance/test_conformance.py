@@ -10,12 +10,12 @@ import pytest
 from indoor_explorers.env import Pilot, Policy, PolicyError, World, check_policy, run_checks
 from indoor_explorers.env.conformance import CHECKS
 from indoor_explorers.env.conformance.latency import latency_text
-from tests.env.conformance.policies import Flying, Honest, Named, make
+from tests.env.conformance.policies import MOST_CHECKS, Flying, Honest, Named, make
 from tests.seeds import seed_of
 
 
-def findings(kind, policy=Flying, names=CHECKS):
-    """What every check finds, or those of some names, by name."""
+def findings(kind, policy=Flying, names=MOST_CHECKS):
+    """What the checks of some names find, by name."""
     return {finding.name: finding for finding in run_checks(make(kind, policy), names)}
 
 
@@ -36,8 +36,8 @@ def test_an_honest_policy_passes_and_gets_a_report():
     assert "at most 2 in one" in report["messages"]
     assert "one UAV, 16x16: median" in report["latency"]
     assert "share of a batch" not in report["latency, large map"]
-    batched = check_policy(make(Honest, type("Batched", (Flying,), {"batched": True})))
-    assert "each time a UAV's share of a batch" in batched["latency, large map"]
+    batched = findings(Honest, type("Batched", (Flying,), {"batched": True}))
+    assert "each time a UAV's share of a batch" in batched["latency, large map"].text
 
 
 class ReadsMapSettings(Honest):
@@ -155,7 +155,9 @@ def test_a_wrong_tally_is_refused(told):
     ],
 )
 def test_a_wrong_answer_fails_one_check_and_the_others_go_on(kind, check):
-    assert failures(findings(kind)) == {check}
+    found = findings(kind, names=CHECKS)
+    assert failures(found) == {check}
+    assert found["failure modes"].warned
 
 
 class TallyRaises(Honest):
@@ -238,7 +240,7 @@ class PrivilegeRaises(Flying):
     ],
 )
 def test_a_policy_that_cannot_fly_is_told_why_once(kind, policy, text, fix):
-    found = findings(kind, policy)
+    found = findings(kind, policy, CHECKS)
     assert found["decisions"].text == text
     assert fix in found["decisions"].fix
     later = [finding for finding in found.values() if finding.name not in {"decisions", "pickling"}]

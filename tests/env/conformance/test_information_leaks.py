@@ -6,18 +6,17 @@ import numpy as np
 import pytest
 
 from indoor_explorers.env import World, make_policy, run_checks
-from indoor_explorers.env.conformance import CHECKS
 from indoor_explorers.env.conformance.information_leaks import matching_chance
 from indoor_explorers.env.conformance.suite import REPEATABLE
 from indoor_explorers.env.simulation import world as simulation
-from tests.env.conformance.policies import Honest, make
+from tests.env.conformance.policies import MOST_CHECKS, Honest, make
 from tests.seeds import seed_of
 
 #: The check that lets teammates stop, after the one without which it tells nothing.
 STOPS = (REPEATABLE, "unlinked teammates")
 
 
-def failures(kind, names=CHECKS):
+def failures(kind, names=MOST_CHECKS):
     """What the failed checks say, or those of some names, by name."""
     return {finding.name: finding.text for finding in run_checks(make(kind), names) if not finding.passed}
 

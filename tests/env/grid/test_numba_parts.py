@@ -27,7 +27,7 @@ def test_the_installed_numba_has_all_parts():
     assert MISSING == ""
 
 
-@pytest.mark.parametrize("change", CHANGES)
+@pytest.mark.parametrize("change", ["renamed", pytest.param("arguments", marks=pytest.mark.slow)])
 def test_a_change_of_numba_slows_and_breaks_nothing(change, tmp_path):
     code = CHANGES[change] + textwrap.dedent(CODE)
     for _ in range(2):

@@ -12,8 +12,9 @@ from indoor_explorers.evaluation.analysis.tables.headline_table import headline_
 from indoor_explorers.evaluation.analysis.tables.league_table import league_table
 from indoor_explorers.evaluation.analysis.tables.reported_table import reported_csv, reported_tables
 from indoor_explorers.evaluation.drawing.palette import policy_styles
+from indoor_explorers.evaluation.drawing.print_style import save
 from indoor_explorers.evaluation.exports import write_exports
-from indoor_explorers.evaluation.exports.figures import write_figures
+from indoor_explorers.evaluation.exports.figures import write_figures, writing
 from indoor_explorers.evaluation.harness.reported.rows import ReportedPolicy, ReportedRow, Source, write_reported
 from indoor_explorers.evaluation.harness.results.combine import combined
 from indoor_explorers.evaluation.harness.results.results import Results
@@ -175,7 +176,8 @@ def test_exports_hold_reported_rows_and_are_as_ever_without_them(flown, tmp_path
     assert {str(path) for path in plain} - set(map(str, same)) == {"tables/results.md", "tables/results.tex"}
 
 
-def test_a_figure_hatches_reported_bars(flown, tmp_path):
+def test_a_figure_hatches_reported_bars(flown, tmp_path, monkeypatch):
+    monkeypatch.setattr(writing, "save", lambda figure, *place: save(figure, *place) if "reported" in place[1] else [])
     few = replace(flown, records=[each for each in flown.records if each.task.seed < 2])
     paths = write_figures(beside(few, policy(*map(row, range(2)))), tmp_path)
     (path,) = (path for path in paths if path.name == "01-rooms-reported-1.svg")

@@ -11,6 +11,7 @@ from indoor_explorers.env import PolicyError, run_checks
 from indoor_explorers.env.conformance import CHECKS
 from indoor_explorers.evaluation.cli.check_table import print_findings, print_header
 from indoor_explorers.evaluation.cli.parser import main
+from tests.env.conformance.policies import MOST_CHECKS
 from tests.evaluation import plugins
 from tests.evaluation.cli.test_cli import PLUGINS, run
 
@@ -96,7 +97,7 @@ def test_debugging_shows_where_it_was_raised(capsys, monkeypatch):
 
 @pytest.fixture(scope="module")
 def found():
-    return list(run_checks(plugins.Leaks()))
+    return list(run_checks(plugins.Leaks(), MOST_CHECKS))
 
 
 @pytest.mark.parametrize("width", [60, 80, 120])

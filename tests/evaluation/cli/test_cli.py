@@ -87,7 +87,7 @@ def stored(out):
 def test_compare_writes_what_the_contract_says(figures, capsys, tmp_path):
     out = tmp_path / "out"
     words = ["--policies", "random,frontier-nearest", "--scenario", "thesis-team-2", "--episodes", "6", "--seed", "3"]
-    status, printed, errors = run(capsys, "compare", *words, "--workers", "2", "--out", out)
+    status, printed, errors = run(capsys, "compare", *words, *HERE, "--out", out)
     assert (status, errors) == (0, "")
     assert "frontier-nearest" in printed
     assert "report.html" in printed
@@ -147,7 +147,7 @@ def test_more_episodes_and_policies_are_added(capsys, tmp_path):
     [signal.SIGINT, *(pytest.param(kind, marks=pytest.mark.slow) for kind in (signal.SIGKILL, signal.SIGTERM))],
 )
 def test_killing_and_running_again_gives_the_same_summary(kind, capsys, tmp_path):
-    words = ["compare", "--policies", "horizon", "--scenario", "thesis-obstacles", "--episodes", "24"]
+    words = ["compare", "--policies", "horizon", "--scenario", "thesis-obstacles", "--episodes", "12"]
     running = start(*words, "--workers", "2", "--out", tmp_path / "killed")
     deadline = time.monotonic() + 60
     while stored(tmp_path / "killed") == 0 and running.poll() is None and time.monotonic() < deadline:
@@ -157,14 +157,14 @@ def test_killing_and_running_again_gives_the_same_summary(kind, capsys, tmp_path
     else:
         running.send_signal(kind)
     _, errors = running.communicate(timeout=60)
-    assert 0 < stored(tmp_path / "killed") < 24
+    assert 0 < stored(tmp_path / "killed") < 12
     if kind == signal.SIGINT:
         assert (running.returncode, errors.replace(NOTICE, "").count("\n")) == (130, 1), errors
         assert "what is finished is kept" in errors
     for out in ("killed", "whole"):
         status, _, errors = run(capsys, *words, "--workers", "0", "--out", tmp_path / out)
         assert (status, errors) == (0, "")
-    assert stored(tmp_path / "killed") == 24
+    assert stored(tmp_path / "killed") == 12
     assert rows(tmp_path / "killed") == rows(tmp_path / "whole")
 
 
@@ -215,7 +215,7 @@ def test_the_function_takes_the_arguments_of_the_command(capsys, tmp_path):
 
 def test_failed_episodes_are_kept_and_make_status_1(capsys, tmp_path):
     words = ["compare", "--policies", f"{PLUGINS}:Raises,random", "--scenario", "thesis-team-2", "--episodes", "8"]
-    status, printed, errors = run(capsys, *words, "--workers", "1", "--out", tmp_path)
+    status, printed, errors = run(capsys, *words, *HERE, "--out", tmp_path)
     assert (status, errors) == (1, "")
     assert "failed:" in printed
     assert "RuntimeError: motor</script> failure" in printed
@@ -223,6 +223,7 @@ def test_failed_episodes_are_kept_and_make_status_1(capsys, tmp_path):
     assert stored(tmp_path) == 16
 
 
+@pytest.mark.slow  # test_supervisor.py tells of such policies
 def test_a_policy_that_ends_its_process_leaves_the_others_alone(capsys, tmp_path):
     words = ["compare", "--policies", f"{PLUGINS}:Dies,random", "--scenario", "thesis-open", "--episodes", "2"]
     status, printed, errors = run(capsys, *words, "--workers", "1", "--out", tmp_path)

@@ -58,6 +58,16 @@ def test_ctrl_c_while_modules_load_is_one_line(monkeypatch, capfd):
     assert capfd.readouterr().err == "indoor-explorers: interrupted; nothing was done\n"
 
 
+def test_a_removed_folder_is_no_reason_to_fail(tmp_path, monkeypatch, capsys):
+    (tmp_path / "gone").mkdir()
+    monkeypatch.chdir(tmp_path / "gone")
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    (tmp_path / "gone").rmdir()
+    with pytest.raises(SystemExit, match="0"):
+        main([])
+    assert "usage: " in capsys.readouterr().out
+
+
 def test_without_a_word_there_is_help(capsys):
     with pytest.raises(SystemExit, match="0"):
         main([])

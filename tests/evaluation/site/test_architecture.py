@@ -13,24 +13,27 @@ from indoor_explorers.evaluation.site.pictures.architecture import (
     package_of,
 )
 
-GRAPH = import_graph()
+
+@pytest.fixture(scope="module")
+def graph():
+    return import_graph()
 
 
 @pytest.mark.parametrize("folder", TOP_LEVEL)
-def test_no_package_imports_one_that_imports_it(folder):
-    packages = GRAPH.subgraph([package for package in GRAPH if package.startswith(f"{folder}/")])
+def test_no_package_imports_one_that_imports_it(folder, graph):
+    packages = graph.subgraph([package for package in graph if package.startswith(f"{folder}/")])
     assert len(packages) > 5
     assert not list(nx.simple_cycles(packages))
 
 
-def test_the_picture_names_every_package():
+def test_the_picture_names_every_package(graph):
     (drawn,) = architecture_pictures().values()
-    assert drawn.count(b"<!-- ") >= len(GRAPH)
+    assert drawn.count(b"<!-- ") >= len(graph)
     for package in ("simulation", "navigation", "dddqn", "harness"):
         assert f"<!-- {package} -->".encode() in drawn
 
 
-def test_imports_for_types_alone_and_within_a_package_do_not_count():
+def test_imports_for_types_alone_and_within_a_package_do_not_count(graph):
     code = """
 from indoor_explorers.env.grid.cells import FREE
 if TYPE_CHECKING:
@@ -41,4 +44,4 @@ def late():
     names = list(_imports(ast.parse(code)))
     assert [package_of(name.split(".")[1:]) for name in names] == ["env/grid", "planners/toolbox/navigation"]
     assert package_of(("planners", "toolbox", "__init__")) is None
-    assert not any(one == other for one, other in GRAPH.edges)
+    assert not any(one == other for one, other in graph.edges)

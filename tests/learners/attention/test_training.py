@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from indoor_explorers.env import InputError, World, check_policy, scenario
+from indoor_explorers.env import InputError, World, scenario
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
 from indoor_explorers.learners.attention.flights import drawn_task, fly
 from indoor_explorers.learners.attention.graph import FEATURES, TRUE_FEATURES, GraphSettings
@@ -18,6 +18,7 @@ from indoor_explorers.learners.attention.policy import AttentionSac, opened
 from indoor_explorers.learners.attention.train import TrainingConfig, train
 from indoor_explorers.learners.pockets.maps import TrainingMaps
 from indoor_explorers.learners.sessions.session import Progress
+from tests.env.conformance.policies import passed_checks
 
 SMALL = NetworkSettings(units=16, heads=2, layers=1)
 TINY = TrainingConfig(
@@ -114,6 +115,6 @@ def test_an_untrained_network_explores_all_with_the_guard(weights: Path) -> None
 
 
 def test_it_passes_the_conformance_suite(weights: Path, tmp_path: Path) -> None:
-    check_policy(AttentionSac(weights=str(weights)))
+    passed_checks(AttentionSac(weights=str(weights)))
     with pytest.raises(InputError, match="expected a safetensors file, found none"):
         opened(str(tmp_path / "no"))

@@ -17,13 +17,14 @@ import numpy as np
 import pytest
 import torch
 
-from indoor_explorers.env import PRESETS, InputError, World, check_policy, make_policy
+from indoor_explorers.env import PRESETS, InputError, World, make_policy
 from indoor_explorers.env.interfaces.stable_baselines import StableBaselinesVecEnv
 from indoor_explorers.env.scenarios.seed_sets import SEED_BLOCK
 from indoor_explorers.evaluation.harness.episodes.runner import fly
 from indoor_explorers.evaluation.harness.experiment.experiment import PolicyChoice, Task
 from indoor_explorers.learners.baselines import sb3_ppo
 from indoor_explorers.learners.baselines.stable_baselines import StableBaselines
+from tests.env.conformance.policies import passed_checks
 from tests.learners.baselines.tiny import TINY, cut_and_resume, flown, record_of, refusal, train
 from tests.learners.dddqn.rooms import small_room
 
@@ -109,7 +110,7 @@ def test_the_pilot_sees_what_training_saw_bit_for_bit(trained: dict[str, Path]) 
 def test_the_policy_passes_the_conformance_suite(trained: dict[str, Path]) -> None:
     policy = make_policy(f"sb3:{trained['sb3-qrdqn']}")
     threads = torch.get_num_threads()
-    check_policy(policy)
+    passed_checks(policy)
     assert torch.get_num_threads() == threads
     assert len(pickle.dumps(policy)) < 1000
 
@@ -118,12 +119,14 @@ def test_only_with_the_mask_are_all_moves_legal(trained: dict[str, Path]) -> Non
     rng, illegal = np.random.default_rng(0), {True: 0, False: 0}
     world = World(small_room(4).with_settings({"on_collision": "block"}), 20)
     world.reset(range(20))
+    policies = [
+        StableBaselines(path=str(path), mask=mask) for mask, path in itertools.product((True, False), trained.values())
+    ]
     for _ in range(20):
         views = [world.view(b, 0) for b in range(20)]
-        for mask, folder in itertools.product((True, False), trained.values()):
-            policy = StableBaselines(path=str(folder), mask=mask)
+        for policy in policies:
             chosen = policy.act([policy.pilot(world.briefing(b, 0)) for b in range(20)], views)
-            illegal[mask] += sum(not view.legal[action] for view, action in zip(views, chosen, strict=True))
+            illegal[policy.mask] += sum(not view.legal[action] for view, action in zip(views, chosen, strict=True))
         world.step(rng.integers(5, size=(20, 1)))
     assert illegal[True] == 0
     assert illegal[False] > 0

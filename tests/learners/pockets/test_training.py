@@ -9,7 +9,7 @@ import torch
 
 from indoor_explorers.env import PRESETS, InputError
 from indoor_explorers.env.maps.floorplan import Floorplan
-from indoor_explorers.env.maps.sources import FileMaps
+from indoor_explorers.env.maps.sources import FileMaps, OfficesMaps
 from indoor_explorers.env.scenarios.suites.suite import Part
 from indoor_explorers.env.search.connected_parts import largest_part
 from indoor_explorers.learners.pockets.examples import chosen_examples, examples_of
@@ -114,6 +114,14 @@ def test_the_examples_of_one_kind_of_map_are_chosen() -> None:
     assert chosen_examples(examples, "generated")["sizes"].tolist() == [1, 3]
 
 
+@pytest.fixture
+def small_maps(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Train on small offices."""
+    offices = OfficesMaps(height=32, width=40)
+    monkeypatch.setattr("indoor_explorers.learners.pockets.maps.random_generator", lambda rng: offices)
+
+
+@pytest.mark.usefixtures("small_maps")
 def test_an_interrupted_training_equals_a_whole_one_bit_for_bit(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -160,6 +168,7 @@ def test_missing_clones_are_told_before_a_folder_is_made(tmp_path: Path) -> None
         map_files("rooms", Part.TRAIN, [])
 
 
+@pytest.mark.usefixtures("small_maps")
 def test_a_training_with_floors_tells_how_good_it_is_on_others(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     np.save(tmp_path / "floor.npy", (~np.pad(rooms(3, 9, 0), 1)).astype(np.int8))
     floors = FileMaps(paths=(str(tmp_path / "floor.npy"),), resolution=1.0)

@@ -23,6 +23,7 @@ def mean_time(policy: Policy, task_name: str, metric: str, settings: dict[str, o
     return float(np.mean([record.metrics[metric] for record in records]))
 
 
+@pytest.mark.slow  # golden episodes tell when it flies otherwise
 def test_rooms_take_far_fewer_steps_than_to_the_nearest_frontier() -> None:
     nearest = make_policy("frontier-nearest")
     for task in ("thesis-open", "thesis-obstacles", "thesis-team-4"):

@@ -26,7 +26,7 @@ print([episode(*job) for job in JOBS[::-1]])
 
 def episode(name: str, seed: int) -> str:
     policy = make_policy("rrt-aep", take_turns=True) if name == "rrt-star" else make_policy(name)
-    flight = fly(policy, rooms(2, 4, 3), team=2, radio=("disc", 6.0), seed=seed)
+    flight = fly(policy, rooms(2, 4, 3), team=2, radio=("disc", 6.0), seed=seed, budget=40)
     return hashlib.sha256(repr(flight.actions).encode()).hexdigest()
 
 

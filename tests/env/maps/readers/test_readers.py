@@ -221,7 +221,7 @@ def test_the_largest_maps_are_read_and_reduced_in_bounded_memory(tmp_path, suffi
     assert coarse.start == ((513, 8) if suffix == ".png" else None)
 
 
-@pytest.mark.parametrize("name", ["walls.json", "rooms.xml"])
+@pytest.mark.parametrize("name", ["walls.json", pytest.param("rooms.xml", marks=pytest.mark.slow)])
 def test_the_largest_buildings_are_drawn_in_bounded_memory(tmp_path, name):
     """A hall of 590 m x 590 m is drawn with nine times the pixels of the largest map."""
     corners = [(0, 0), (590, 0), (590, 590), (0, 590)]

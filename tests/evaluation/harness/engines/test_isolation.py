@@ -53,7 +53,16 @@ def supervisor(plugins_found):
     supervisor.close()
 
 
-@pytest.mark.parametrize("name", ["random", "frontier-nearest", "frontier", "pso", "reference", "dddqn"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "random",
+        "frontier",
+        "reference",
+        "dddqn",
+        *(pytest.param(n, marks=pytest.mark.slow) for n in ("frontier-nearest", "pso")),
+    ],
+)
 def test_isolated_policies_fly_the_same_episodes(name, supervisor):
     choice, plain = PolicyChoice(use=name, name=name), own(name)
     flown = supervisor.fly(plain._replace(isolated=True, privileged=choice.make().privileged))

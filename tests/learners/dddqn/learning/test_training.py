@@ -33,13 +33,19 @@ def interrupt(progress: Progress) -> None:
     os.kill(os.getpid(), signal.SIGINT)
 
 
-def test_the_same_seed_gives_the_same_weights(tmp_path: Path) -> None:
-    first, second, other = (
-        train(TINY, small_room(), tmp_path / name, seed=seed).read_bytes()
-        for name, seed in (("a", 1), ("b", 1), ("c", 2))
+@pytest.fixture(scope="module")
+def trained(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[Progress]]:
+    """The weights of a training with seed 1, and what it reported."""
+    seen: list[Progress] = []
+    return train(TINY, small_room(), tmp_path_factory.mktemp("trained"), seed=1, report=seen.append), seen
+
+
+def test_the_same_seed_gives_the_same_weights(trained: tuple[Path, list[Progress]], tmp_path: Path) -> None:
+    again, other = (
+        train(TINY, small_room(), tmp_path / name, seed=seed).read_bytes() for name, seed in (("a", 1), ("b", 2))
     )
-    assert first == second
-    assert first != other
+    assert trained[0].read_bytes() == again
+    assert again != other
 
 
 def test_a_resumed_training_equals_an_uninterrupted_one_bit_for_bit(tmp_path: Path) -> None:
@@ -56,13 +62,11 @@ def test_a_resumed_training_equals_an_uninterrupted_one_bit_for_bit(tmp_path: Pa
         train(TINY, scenario, tmp_path / "cut", seed=1, resume=True)
 
 
-def test_the_record_and_scalars_tell_how_the_weights_were_made(tmp_path: Path) -> None:
-    scenario = small_room()
-    seen: list[Progress] = []
-    path = train(TINY, scenario, tmp_path / "out", seed=5, report=seen.append)
+def test_the_record_and_scalars_tell_how_the_weights_were_made(trained: tuple[Path, list[Progress]]) -> None:
+    path, seen = trained
     record = json.loads((path.parent / RECORD).read_text())
     assert record["config"] == TINY.model_dump(mode="json")
-    assert (record["seed"], record["fingerprint"]) == (5, scenario.fingerprint)
+    assert (record["seed"], record["fingerprint"]) == (1, small_room().fingerprint)
     assert [evaluation["steps"] >= 300 for evaluation in record["evaluations"]] == [True, True]
     assert seen[-1].steps >= seen[-1].total_steps == TINY.total_steps
     assert seen[-1].evaluation == record["evaluations"][-1]
