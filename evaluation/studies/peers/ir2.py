@@ -31,7 +31,7 @@ CODE = PublishedCode(
 )
 #: What drives it in the process.
 SCRIPT = Path(__file__).with_name("ir2_script.py")
-CITATION = "D. M. S. Tan et al., IR2, IROS 2024, doi:10.1109/IROS58592.2024.10802066"
+CITATION = "D. M. S. Tan et al., IR2, IROS 2024, arXiv:2409.04730"
 #: What the simulator imports.
 NEEDS = (
     Need(package="numpy", below=2),

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from indoor_explorers.evaluation.drawing.formatting import fixed, interval, percent
+from indoor_explorers.evaluation.drawing.formatting import counted, fixed, interval, percent
 from indoor_explorers.evaluation.drawing.table import Cell, Column, Row, Table, words
 from indoor_explorers.evaluation.harness.reported.rows import ReportedPolicy, ReportedRow, Source, write_reported
 from indoor_explorers.evaluation.statistics import bootstrap_mean
@@ -30,7 +30,8 @@ def flight_table(
     flights: Sequence[TeamFlight], policies: Sequence[str], part: str, others: Sequence[ReportedPolicy] = ()
 ) -> Table:
     """Return the means of policies on the maps that all have flown, and ratios to reported policies by map."""
-    flown = {name: {each.map: _row(each) for each in flights if each.policy == name} for name in policies}
+    good = [each for each in flights if each.failure is None]
+    flown = {name: {each.map: _row(each) for each in good if each.policy == name} for name in policies}
     maps = sorted(set.intersection(*(set(each) for each in flown.values())))
     columns, rows = [words("policy", 12), Column("done")], []
     theirs = {
@@ -45,7 +46,11 @@ def flight_table(
         if shared := {each: held[each] for each in maps if each in held}:
             rows.append(Row(name, _cells(shared, [{} for _ in theirs])))
     return Table(
-        columns, rows, f"{len(maps)} maps of IR2's {part}, by its own rules", "peer-ir2", _notes(flights, part)
+        columns,
+        rows,
+        f"{counted(len(maps), 'map')} of IR2's {part}, by its own rules",
+        "peer-ir2",
+        _notes(flights, part),
     )
 
 
@@ -75,7 +80,7 @@ def _notes(flights: Sequence[TeamFlight], part: str) -> list[str]:
         f"{settings.team} robots knows 99 % of the free pixels, {settings.most_steps} at most, and pixels flown by the "
         "one that flies most. / : mean over maps of the ratio, with a 95 % bootstrap interval. Flights that are not "
         "done count with what they flew: > and < stand before bounds, \N{ALMOST EQUAL TO} where few are not done.",
-        *([f"{failed} flights failed; the same command flies them again."] if failed else []),
+        *([f"{counted(failed, 'flight')} failed; the same command flies what failed again."] if failed else []),
     ]
 
 

@@ -58,7 +58,7 @@ def test_flights_are_kept_and_compared_with_imported_rows(clone: Path, tmp_path:
     (flown,) = _rows(out)
     told = capsys.readouterr().out
     assert f"frontier-nearest on 2: {flown['steps']} steps, {float(flown['pixels']):.0f} px" in told
-    assert "1 maps of IR2's hybrid, by its own rules" in told
+    assert "1 map of IR2's hybrid, by its own rules" in told
     rows = tmp_path / "rows.csv"
     rows.write_text(
         f"set,map,steps,px,success\nhybrid,2.png,{2 * int(flown['steps'])},{4 * float(flown['pixels'])},True\n"
@@ -97,7 +97,11 @@ def test_a_failure_costs_one_flight_which_is_flown_again(clone: Path, tmp_path: 
     monkeypatch.setenv("FAILS_ON", "2.png")
     asked = ["--policies", "frontier-nearest", "--maps", "2.png,1.png", "--out", str(out)]
     assert _peer(clone, *asked) == 1
-    assert "frontier-nearest on 2: the process of IR2 ended with exit code 7" in capsys.readouterr().err
+    told = capsys.readouterr()
+    assert "frontier-nearest on 2: the process of IR2 ended with exit code 7" in told.err
+    printed = " ".join(told.out.split())
+    assert "1 map of IR2's hybrid, by its own rules" in printed
+    assert "1 flight failed; the same command flies what failed again." in printed
     assert [bool(row["failure"]) for row in _rows(out)] == [True, False]
     monkeypatch.delenv("FAILS_ON")
     assert _peer(clone, *asked) == 0
