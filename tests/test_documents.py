@@ -11,7 +11,7 @@ import pytest
 
 from indoor_explorers.env import PRESETS, policy_names
 from indoor_explorers.evaluation.cli.commands import COMMANDS
-from indoor_explorers.evaluation.cli.parser import build_parser
+from indoor_explorers.evaluation.cli.parser import build_parser, joined_words
 from indoor_explorers.evaluation.exports.episodes.csv_tables import COLUMNS
 from indoor_explorers.evaluation.site.reference import command_line_page, files_page, public_modules, python_pages
 from tests.documents import BOUNDS, ON_EVIDENCE, PAGES, PLANNERS, ROOT, SITE, printed_of, python_of
@@ -72,7 +72,7 @@ def test_every_policy_and_scenario_is_in_its_table():
 def test_every_command_line_is_understood(path):
     assert not re.search(r"^ {0,3}indoor-explorers ", path.read_text(), re.MULTILINE)  # would be no code
     for line in re.findall(r"^    indoor-explorers (.*)$", path.read_text(), re.MULTILINE):
-        build_parser().parse_args(line.replace("'", "").split())
+        build_parser().parse_args(joined_words(line.replace("'", "").split()))
 
 
 def test_the_references_know_every_command_and_what_it_exports():

@@ -105,7 +105,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         sys.path.append(str(Path.cwd()))  # so that module:Class finds a file of the current folder, as python -m would
     kept = KEPT
     try:
-        given = vars(build_parser().parse_args(_joined(words) or ["--help"]))
+        given = vars(build_parser().parse_args(joined_words(words) or ["--help"]))
         name = given.pop("command")
         (command,) = [command for command in COMMANDS if command.name == name]
         kept = command.interrupted
@@ -130,7 +130,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return INTERRUPTED
 
 
-def _joined(words: list[str]) -> list[str]:
+def joined_words(words: list[str]) -> list[str]:
     """Return the words typed, with the name of a command of two words as one."""
     two = " ".join(words[:2])
     return [two, *words[2:]] if any(command.name == two for command in COMMANDS) else words

@@ -35,7 +35,8 @@ def fly_dare(options: PeerOptions, typed: str) -> int:
     from indoor_explorers.env.files import writable
     from indoor_explorers.evaluation.drawing.table import terminal_table
     from indoor_explorers.evaluation.studies.peers.dare import DareSimulator
-    from indoor_explorers.evaluation.studies.peers.flights import chosen_by, flights, read_flights, write_flights
+    from indoor_explorers.evaluation.studies.peers.flights import FILE, Flight, chosen_by, flights
+    from indoor_explorers.evaluation.studies.peers.kept import read_flights, write_flights
     from indoor_explorers.evaluation.studies.peers.results import flight_table, write_rows
 
     if len(set(options.policies)) < len(options.policies):
@@ -43,7 +44,7 @@ def fly_dare(options: PeerOptions, typed: str) -> int:
     simulator = DareSimulator(options.clone, options.python)
     names = simulator.maps(options.maps)
     how = {policy: chosen_by(policy, options.adapter) for policy in options.policies}
-    held = read_flights(options.out) if options.out else []
+    held = read_flights(options.out / FILE, Flight) if options.out else []
     for each in held:
         if each.chosen_by != how.get(each.policy, each.chosen_by):
             raise InputError(f"{options.out}: {each.policy} was flown by {each.chosen_by}; choose another --out")
@@ -55,7 +56,7 @@ def fly_dare(options: PeerOptions, typed: str) -> int:
             print_line(console, f"{flight.policy} on {flight.map}: {told}", "red" if flight.failure else None)
             if options.out is not None:
                 with writable(options.out, "--out"):
-                    write_flights(found.values(), options.out)
+                    write_flights(options.out / FILE, Flight, found.values())
                     write_rows(list(found.values()), options.out)
     asked = {Path(name).stem for name in names}
     shown = [each for each in found.values() if each.map in asked and each.seed == options.seed]

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Literal
 
 import numpy as np
-from pydantic import TypeAdapter
 
 from indoor_explorers.env import Briefing, InputError, Policy, Scenario, make_policy
 from indoor_explorers.env.errors import described
-from indoor_explorers.env.files import written_whole
 from indoor_explorers.evaluation.harness.reported.rows import Strict
 from indoor_explorers.evaluation.studies.peers.by_cells import SCALE, CellChoice, shown_shape
 from indoor_explorers.evaluation.studies.peers.by_nodes import Chooser, NodeChoice, Rule, rule_of
@@ -146,30 +143,3 @@ def flights(
         for policy in policies:
             if (policy, Path(name).stem, seed) not in known:
                 yield fly(simulator, policy, adapter, name, seed)
-
-
-def read_flights(folder: Path) -> list[Flight]:
-    """Return the flights of a results folder.
-
-    Raises:
-        InputError: the file is damaged.
-
-    """
-    path = folder / FILE
-    if not path.is_file():
-        return []
-    try:
-        with path.open(encoding="utf-8", newline="") as file:
-            rows = [{key: value or None for key, value in row.items()} for row in csv.DictReader(file)]
-        return TypeAdapter(list[Flight]).validate_python(rows)
-    except (OSError, ValueError, csv.Error) as error:
-        raise InputError(f"{path}: expected flights of the command peer, cannot read them: {error}") from error
-
-
-def write_flights(found: Iterable[Flight], folder: Path) -> None:
-    """Write the flights of a results folder, one a line."""
-    folder.mkdir(parents=True, exist_ok=True)
-    with written_whole(folder / FILE) as partial, partial.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, Flight.model_fields, lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(each.model_dump() for each in found)

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from indoor_explorers.evaluation.drawing.formatting import fixed, interval, percent
 from indoor_explorers.evaluation.drawing.table import Cell, Column, Row, Table, words
@@ -17,6 +18,8 @@ from indoor_explorers.evaluation.studies.peers.flights import EXPERT, Flight
 
 #: The scenario of the rows in reports.
 SCENARIO = "dare-own-rules"
+#: (E,) values, and whether they are no bounds, (E,) bool.
+Values = tuple[NDArray[np.float64], NDArray[np.bool_]]
 #: The columns of metres, and whether a flight has got there.
 METRES: dict[str, Callable[[Flight], float | None]] = {
     "to 90 %": lambda flight: flight.metres_90,
@@ -49,7 +52,7 @@ def _cells(mine: Sequence[Flight], theirs: Sequence[Flight] | None) -> list[Cell
     return cells
 
 
-def _values(flights: Sequence[Flight], metres: Callable[[Flight], float | None]) -> tuple[np.ndarray, np.ndarray]:
+def _values(flights: Sequence[Flight], metres: Callable[[Flight], float | None]) -> Values:
     """Return (E,) metres, of flights that did not get there all that they flew, and (E,) whether they did."""
     found = [metres(flight) for flight in flights]
     values = [flight.metres if value is None else value for value, flight in zip(found, flights, strict=True)]
@@ -58,12 +61,19 @@ def _values(flights: Sequence[Flight], metres: Callable[[Flight], float | None])
 
 def _ratio(mine: Sequence[Flight], theirs: Sequence[Flight], metres: Callable[[Flight], float | None]) -> Cell:
     """Return the mean over maps of the ratio to the expert's metres."""
-    (above, ours), (below, others) = _values(mine, metres), _values(theirs, metres)
-    bound = Censoring.of(ours, others).bound
-    if bound is None or mine[0].policy == EXPERT or not (below > 0).all():
+    if mine[0].policy == EXPERT:
         return Cell(fixed(None, 0))
-    maps = np.array([flight.map for flight in mine], np.str_)
-    ratio: Estimate = paired_ratios([Block(above[:, None], below[:, None], maps)])[0].of_tasks
+    return ratio_cell(_values(mine, metres), _values(theirs, metres), [flight.map for flight in mine])
+
+
+def ratio_cell(above: Values, below: Values, maps: Sequence[str]) -> Cell:
+    """Return the mean over maps of the ratios of (E,) values to others of the same maps, as a bound where it is one."""
+    (mine, ours), (theirs, others) = above, below
+    bound = Censoring.of(ours, others).bound
+    if bound is None or not len(mine) or not (theirs > 0).all():
+        return Cell(fixed(None, 0))
+    blocks = [Block(mine[:, None], theirs[:, None], np.array(maps, np.str_))]
+    ratio: Estimate = paired_ratios(blocks)[0].of_tasks
     return Cell(_bound(fixed(ratio.mean, 3), bound), ratio.mean, interval(ratio, 3))
 
 

@@ -81,7 +81,7 @@ class SequenceChooser:
     """
 
     def __init__(self, pilot: CandidatePilot, parameters: SequenceParameters, candidates: Candidates) -> None:
-        self._pilot, self.parameters, self._candidates = pilot, parameters, candidates
+        self._pilot, self.parameters, self.candidates = pilot, parameters, candidates
         self._range = float(pilot.briefing.lidar_range)
         self._utility = Utility(parameters.power, parameters.discount_rate, parameters.trust)
         self.out_of_contact = OutOfContact(pilot.briefing)
@@ -135,7 +135,7 @@ class SequenceChooser:
         """Return the decision problem of a group."""
         parameters, reach = self.parameters, self._range
         fields = np.stack([self._pilot.steps_from(view, member.cell) for member in members])
-        cells, ahead = self._candidates(view, fields)
+        cells, ahead = self.candidates(view, fields)
         fine = ~self._pilot.near_banned(view, cells)
         cells, ahead = cells[fine], ahead[fine]
         steps = fields.reshape(len(members), -1)[:, cells].astype(np.float64, order="C")
