@@ -202,7 +202,10 @@ class ReportedFigures:
     def note(self) -> str:
         """The sentence that says where the figures come from, and over what they are compared."""
         source = self.policy.source
-        start = f"{self.name} reported by {source.citation} ({source.url}), not flown here: "
+        cited = f"{source.citation} ({source.url})"
+        start = f"{self.name} reported by {cited}, not flown here: "
+        if source.measured:
+            start = f"{self.name} measured here in {cited}, not flown in this world: "
         if self.is_mean:
             over = counted(self.count, "episode")
             return f"{start}published means over {over}, without rows: no interval and no comparison by task."

@@ -16,6 +16,7 @@ from indoor_explorers.evaluation.cli.commands.importing import IMPORT
 from indoor_explorers.evaluation.cli.commands.leaderboard import LEADERBOARD
 from indoor_explorers.evaluation.cli.commands.listings import LEARNERS, POLICIES, SCENARIOS
 from indoor_explorers.evaluation.cli.commands.maps import AUDIT, MAPS
+from indoor_explorers.evaluation.cli.commands.peer import DARE
 from indoor_explorers.evaluation.cli.commands.playground import PLAYGROUND
 from indoor_explorers.evaluation.cli.commands.report import REPORT
 from indoor_explorers.evaluation.cli.commands.suites import SUITES
@@ -24,6 +25,6 @@ from indoor_explorers.evaluation.cli.commands.watch import WATCH
 
 #: All commands, in the order of the help.
 COMMANDS: tuple[Command[Any], ...] = (
-    *(DEMO, PLAYGROUND, COMPARE, WATCH, REPORT, IMPORT, EXPORT, LEADERBOARD, TRAIN, ABLATE, THESIS),
+    *(DEMO, PLAYGROUND, COMPARE, WATCH, REPORT, IMPORT, EXPORT, LEADERBOARD, DARE, TRAIN, ABLATE, THESIS),
     *(POLICIES, SCENARIOS, LEARNERS, SUITES, MAPS, AUDIT, BENCH, CHECK),
 )

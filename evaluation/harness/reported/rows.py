@@ -33,6 +33,8 @@ class Source(Strict):
 
     citation: Line
     url: Annotated[str, Field(pattern=r"^https?://[^\s\"<>]+$", max_length=400)]
+    measured: bool = False
+    """Whether the rows were measured here, in the simulator of others that is cited."""
 
 
 def known_metrics(metrics: Mapping[str, object]) -> None:

@@ -81,7 +81,7 @@ class SequenceChooser:
     """
 
     def __init__(self, pilot: CandidatePilot, parameters: SequenceParameters, candidates: Candidates) -> None:
-        self._pilot, self._parameters, self._candidates = pilot, parameters, candidates
+        self._pilot, self.parameters, self._candidates = pilot, parameters, candidates
         self._range = float(pilot.briefing.lidar_range)
         self._utility = Utility(parameters.power, parameters.discount_rate, parameters.trust)
         self.out_of_contact = OutOfContact(pilot.briefing)
@@ -106,7 +106,7 @@ class SequenceChooser:
 
         ``factors`` (K,) are the candidates' factors for teammates out of contact.
         """
-        parameters, left, waiting = self._parameters, problem.gains, list(range(len(problem.away)))
+        parameters, left, waiting = self.parameters, problem.gains, list(range(len(problem.away)))
         while True:
             alone = problem.hysteresis * left**parameters.power * np.exp(-parameters.discount_rate * problem.away)
             turn = waiting.pop(int(alone[waiting].max(axis=1).argmax()))
@@ -120,7 +120,7 @@ class SequenceChooser:
         self, problem: DecisionProblem, uav: int, gains: NDArray[np.float64], factors: NDArray[np.float64]
     ) -> NDArray[np.int64]:
         """Return a UAV's sequence, (3,) indices, -1 after its end, for the remaining (K,) ``gains``."""
-        parameters = self._parameters
+        parameters = self.parameters
         values, sequences = best_sequences(problem, uav, gains, self._utility)
         values = not_taken(values, gains, factors * problem.gains)
         if not values.any():
@@ -133,7 +133,7 @@ class SequenceChooser:
 
     def decision_problem(self, view: View, members: list[GroupMember]) -> DecisionProblem:
         """Return the decision problem of a group."""
-        parameters, reach = self._parameters, self._range
+        parameters, reach = self.parameters, self._range
         fields = np.stack([self._pilot.steps_from(view, member.cell) for member in members])
         cells, ahead = self._candidates(view, fields)
         fine = ~self._pilot.near_banned(view, cells)
@@ -161,8 +161,8 @@ class SequenceChooser:
         """Return the indices of clusters that no teammate is closer to: those with the largest discounted gains."""
         nearest = (problem.away[uav] < UNREACHABLE) & (problem.away[uav] <= problem.away.min(axis=0))
         own = np.flatnonzero(problem.ahead & nearest & (factors >= THEIRS * factors.max()))
-        worth = gains[own] ** self._parameters.power * np.exp(-self._parameters.discount_rate * problem.away[uav, own])
-        return np.asarray(own[np.argsort(-worth, kind="stable")[: self._parameters.rest]])
+        worth = gains[own] ** self.parameters.power * np.exp(-self.parameters.discount_rate * problem.away[uav, own])
+        return np.asarray(own[np.argsort(-worth, kind="stable")[: self.parameters.rest]])
 
     def _cost(
         self, problem: DecisionProblem, uav: int, first: int, rest: NDArray[np.int64], gains: NDArray[np.float64]
@@ -171,7 +171,7 @@ class SequenceChooser:
         left = gains * (1.0 - problem.shared[:, first])
         left[first] = gains[first]
         rest = rest[(rest != first) & (problem.shared[rest, first] < SEEN)]
-        return cost_of_rest(problem, uav, first, rest, left**self._parameters.power, self._parameters.latency)
+        return cost_of_rest(problem, uav, first, rest, left**self.parameters.power, self.parameters.latency)
 
 
 def not_taken(
