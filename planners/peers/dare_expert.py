@@ -24,7 +24,7 @@ from indoor_explorers.planners.toolbox.peers.process import Peer, PeerProcess
 
 SCRIPT = Path(__file__).with_name("dare_expert_script.py")
 #: The variable that names the interpreter, and where it is sought in the clone otherwise.
-PYTHON, IN_CLONE = "INDOOR_EXPLORERS_DARE_PYTHON", ".venv/bin/python"
+PYTHON, IN_CLONE = "DARE_PYTHON", ".venv/bin/python"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,7 +50,7 @@ class DareExpert(Parameters, Policy):
     """Path of the clone."""
     python: str = ""
     """The Python interpreter of an environment with the planner's packages; empty for the one that the variable
-    INDOOR_EXPLORERS_DARE_PYTHON names, or else ``.venv/bin/python`` in the clone."""
+    DARE_PYTHON names, or else ``.venv/bin/python`` in the clone."""
     time_limit: float = bounded(50.0, least=0.01)
     """Seconds that a plan may take."""
 

@@ -20,11 +20,10 @@ from indoor_explorers.planners.toolbox.peers.process import Need
 from tests.planners.peers.fake_dare import write_clone
 
 ROOM = PRESETS["thesis-open"].for_evaluation()
-#: A clone of DARE, in the folder of clones that tests of suites use, and the interpreter of its environment.
-CLONE = Path(os.environ.get("SUITE_DATA", "no-folder")) / "DARE"
+#: A clone of DARE, whose interpreter DARE_PYTHON names.
+CLONE = os.environ.get("DARE_CLONE")
 needs_clone = pytest.mark.skipif(
-    not (CLONE.is_dir() and PYTHON in os.environ),
-    reason=f"SUITE_DATA names no folder with a clone of DARE, or {PYTHON} no interpreter",
+    None in (CLONE, os.environ.get(PYTHON)), reason=f"DARE_CLONE and {PYTHON} name no clone of DARE and no interpreter"
 )
 
 
@@ -170,4 +169,4 @@ def test_the_planner_of_the_clone_explores_a_room_and_repeats_itself(lidar: floa
     for one, other in zip(first, again, strict=True):
         assert one.outcome is Outcome.COMPLETE
         assert np.array_equal(one.actions, other.actions)
-        assert one.metrics["unreachable_nodes"] == 0
+        assert one.metrics["pilot_unreachable_nodes"] == 0
