@@ -35,6 +35,7 @@ every_explorer = parametrized(EXPLORERS, slow=[*AS_FRONTIER, *BY_ESTIMATES])
 #: Policies whose decisions take longest, and those that decide much as another one does.
 SLOW_CONFORMANCE = [
     "prm-tour",
+    "cover-tour",
     "rrt-aep",
     "rrt-frontier",
     "rrt-nbv",
@@ -71,7 +72,7 @@ def test_it_passes_the_conformance_suite(name):
     assert found["failure modes"].startswith("all 9 finished") or name in UNRELIABLE
 
 
-@parametrized(EXPLORERS, slow=["prm-tour", *AS_FRONTIER, *BY_ESTIMATES])
+@parametrized(EXPLORERS, slow=["prm-tour", "cover-tour", *AS_FRONTIER, *BY_ESTIMATES])
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: "-".join(map(str, list(row.values())[1:])))
 def test_it_explores_all_with_any_team_radio_and_lidar(name: str, row: dict[str, Any], map_files: Path) -> None:
     settings = {
