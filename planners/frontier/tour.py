@@ -64,7 +64,11 @@ class TourPilot(GroupPilot):
         if not len(own):
             return int(choices.steps[choices.me].argmin())
         nodes = np.concatenate([[choices.me], uavs + own])
-        return int(own[open_tour(costs[np.ix_(nodes, nodes)])[1] - 1])
+        return int(own[self.first_of_tour(costs[np.ix_(nodes, nodes)])])
+
+    def first_of_tour(self, costs: NDArray[np.float64]) -> int:
+        """Return the place, of K, that a short open tour visits first; ``costs`` (K + 1, K + 1) has the start first."""
+        return int(open_tour(costs)[1] - 1)
 
 
 class DistanceCache:

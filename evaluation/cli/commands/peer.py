@@ -17,9 +17,8 @@ class PeerOptions(Request):
     """A clone of https://github.com/marmotlab/DARE."""
     python: Annotated[str, Option(metavar="PYTHON")]
     """The interpreter of an environment made by the clone's README; its numpy is before 2."""
-    policies: Annotated[tuple[str, ...], POLICY_NAMES] = ("frontier", "expert")
-    """Policies to fly; "expert" is DARE's own planner, which ratios are to, and "graph-tour" plans tours along its
-    graph (default: frontier,expert)."""
+    policies: Annotated[tuple[str, ...], POLICY_NAMES] = ("frontier-tour", "expert")
+    """Policies to fly; "expert" is DARE's own planner, which ratios are to (default: frontier-tour,expert)."""
     maps: Annotated[tuple[str, ...], Option(metavar="N|NAME,...", read=read_names)] = ()
     """How many of the test maps in the simulator's order, or names such as 12.png,13.png (default: all 100)."""
     adapter: Annotated[Literal["auto", "nodes", "cells"], Option(choices=("auto", "nodes", "cells"))] = "auto"

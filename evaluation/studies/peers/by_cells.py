@@ -77,15 +77,23 @@ class CellChoice:
         return View(belief, cell, legal, min(self._step, self._budget) - 1, self._budget, (), visited)
 
 
+def shown_shape(shape: tuple[int, ...]) -> tuple[int, int]:
+    """Return the (H, W) of the view for that of the simulator's map."""
+    height, width = (-(-length // SCALE) for length in shape)
+    return height, width
+
+
 def shown(state: GraphState) -> Belief:
-    """Return the belief that a pilot is shown, (H / 2, W / 2) uint8.
+    """Return the belief that a pilot is shown, uint8 of :func:`shown_shape`.
 
     A cell is free if half of its part of the map is, or an edge of the graph crosses it, so that all nodes that the
     robot can reach are connected.
     """
-    height, width = state.belief.shape
-    parts = state.belief.reshape(height // SCALE, SCALE, width // SCALE, SCALE)
-    belief = np.full((height // SCALE, width // SCALE), UNKNOWN, np.uint8)
+    height, width = shown_shape(state.belief.shape)
+    (rows, cols), end = state.belief.shape, (height * SCALE, width * SCALE)
+    whole = np.pad(state.belief, ((0, end[0] - rows), (0, end[1] - cols)))
+    parts = whole.reshape(height, SCALE, width, SCALE)
+    belief = np.full((height, width), UNKNOWN, np.uint8)
     belief[(parts == OCCUPIED).any(axis=(1, 3))] = OCCUPIED
     belief[2 * (parts == FREE).sum(axis=(1, 3)) >= SCALE**2] = FREE
     belief[tuple(_crossed(state).T)] = FREE

@@ -1,12 +1,11 @@
 """Drives the simulator of DARE in its own process, in the folder of a clone; never imported by this package.
 
 Questions: :func:`begin` an episode, then :func:`step` to a node or to the one that the expert planner chooses. Both
-answer with the state of the simulator, whose classes run as they are, but for :func:`_dijkstra`.
+answer with the state of the simulator, whose classes run as they are.
 """
 
 from __future__ import annotations
 
-import heapq
 import os
 from copy import deepcopy
 from typing import Any
@@ -20,7 +19,6 @@ from classes.utils import get_cell_position_from_coords
 from parameter import FREE, OCCUPIED
 
 _flight: dict[str, Any] = {}
-_costs: dict[tuple[float, float], float] = {}
 
 
 def begin(name: str, seed: int) -> dict[str, Any]:
@@ -74,40 +72,3 @@ def _cells(points: Any) -> np.ndarray:
 
 def _pairs(found: Any) -> np.ndarray:
     return np.array(sorted(pair for pair in found if None not in pair), np.int32).reshape(-1, 2)
-
-
-def _dijkstra(self: Any, start: Any) -> tuple[dict[Any, Any], dict[Any, Any]]:
-    """Return what ``NodeManager.Dijkstra`` returns, tie for tie, in a third of the expert's time: with a heap."""
-    nodes = {tuple(each.data.coords): each.data for each in self.nodes_dict}
-    order = set()
-    for key in nodes:  # one by one, as theirs: among equals it takes the first of this set
-        order.add(key)
-    rank = {key: k for k, key in enumerate(order)}
-    distance, before = dict.fromkeys(nodes, 1e8), dict.fromkeys(nodes)
-    first = start[0], start[1]
-    distance[first] = 0
-    heap: list[Any] = [(0, rank[first], first)]
-    closed = set()
-    while heap:
-        _, _, here = heapq.heappop(heap)
-        if here in closed:
-            continue
-        closed.add(here)
-        for end in nodes[here].neighbor_list:
-            there = end[0], end[1]
-            if there in nodes and there not in closed:
-                found = distance[here] + _cost(there[0] - here[0], there[1] - here[1])
-                if found < distance[there]:
-                    distance[there], before[there] = found, here
-                    heapq.heappush(heap, (found, rank[there], there))
-    return distance, before
-
-
-def _cost(right: float, down: float) -> float:
-    """Return the length of an edge as their code rounds it."""
-    if (right, down) not in _costs:
-        _costs[right, down] = np.round((right**2 + down**2) ** (1 / 2), 2)
-    return _costs[right, down]
-
-
-NodeManager.Dijkstra = _dijkstra

@@ -11,23 +11,23 @@ import numpy as np
 from pydantic import TypeAdapter
 
 from indoor_explorers.env import Briefing, InputError, Policy, Scenario, make_policy
+from indoor_explorers.env.errors import described
 from indoor_explorers.env.files import written_whole
 from indoor_explorers.evaluation.harness.reported.rows import Strict
-from indoor_explorers.evaluation.studies.peers.by_cells import SCALE, CellChoice
-from indoor_explorers.evaluation.studies.peers.by_nodes import Chooser, NodeChoice, TourChoice
+from indoor_explorers.evaluation.studies.peers.by_cells import SCALE, CellChoice, shown_shape
+from indoor_explorers.evaluation.studies.peers.by_nodes import Chooser, NodeChoice, Rule, rule_of
 from indoor_explorers.evaluation.studies.peers.dare import CELL, LIDAR_RANGE, MOST_MOVES, DareSimulator
 from indoor_explorers.evaluation.studies.peers.graph import GraphState
-from indoor_explorers.planners.toolbox.coordination.sequence_chooser import SequenceChooser
 from indoor_explorers.planners.toolbox.peers.process import PeerFailure
 
-#: The names, among the policies, of the simulator's own planner and of :class:`TourChoice`.
-EXPERT, GRAPH_TOUR = "expert", "graph-tour"
+#: The name of the simulator's own planner among the policies.
+EXPERT = "expert"
 #: The file of a results folder that holds flights.
 FILE = "flights.csv"
 #: How a policy is to be taken to the simulator's nodes.
 Adapter = Literal["auto", "nodes", "cells"]
-#: Who chooses the nodes: the simulator's own planner, a tour along the graph, or a pilot by nodes or by cells.
-ChosenBy = Literal["own", "graph", "nodes", "cells"]
+#: Who chooses the nodes: the simulator's own planner, or a pilot by nodes or by cells.
+ChosenBy = Literal["own", "nodes", "cells"]
 #: Steps of a view's budget: more than any pilot flies here.
 BUDGET = 20_000
 
@@ -50,7 +50,7 @@ class Flight(Strict):
     done: bool = False
     """Whether it ended because nothing was left to see by the simulator's own rule."""
     failure: str | None = None
-    """Why the simulator failed; such a flight is flown again next time."""
+    """Why the simulator or the policy failed; such a flight is flown again next time."""
 
     @property
     def key(self) -> tuple[str, str, int]:
@@ -62,14 +62,17 @@ def chosen_by(policy: str, adapter: Adapter) -> ChosenBy:
     """Return how a policy is flown.
 
     Raises:
-        InputError: there is no such policy, or it cannot be flown by nodes.
+        InputError: there is no such policy, or it cannot be flown so.
 
     """
-    if policy in (EXPERT, GRAPH_TOUR):
-        return "own" if policy == EXPERT else "graph"
-    by_nodes = _rule(make_policy(policy)) is not None
+    if policy == EXPERT:
+        return "own"
+    made = make_policy(policy)
+    if made.privileged:
+        raise InputError(f"policy {policy!r} needs the true map, which the simulator does not give; leave it out")
+    by_nodes = _rule(made) is not None
     if adapter == "nodes" and not by_nodes:
-        raise InputError(f"--adapter nodes: policy {policy!r} does not choose by sequences; use auto or cells")
+        raise InputError(f"--adapter nodes: policy {policy!r} has no rule for nodes; use auto or cells")
     return "nodes" if by_nodes and adapter != "cells" else "cells"
 
 
@@ -81,26 +84,24 @@ def _briefing(resolution: float, shape: tuple[int, int], seed: int) -> Briefing:
     return Briefing(agent=0, team=1, shape=shape, lidar_range=reach, scenario=scenario, rng=rng)
 
 
-def _rule(policy: Policy) -> SequenceChooser | None:
-    """Return the rule by which a pilot chooses among candidates, None if it has none of that kind."""
-    rule = getattr(policy.pilot(_briefing(CELL, (64, 64), 0)), "chooser", None)
-    return rule if isinstance(rule, SequenceChooser) else None
+def _rule(policy: Policy) -> Rule | None:
+    """Return the rule by which a policy chooses nodes, None if it cannot."""
+    return rule_of(policy.pilot(_briefing(CELL, (64, 64), 0)))
 
 
 def _chooser(policy: str, how: ChosenBy, shape: tuple[int, ...], seed: int) -> Chooser | None:
     """Return what chooses the nodes in one episode on an (H, W) map, None for the simulator's own planner."""
-    rng = np.random.default_rng(seed)
-    if how in ("own", "graph"):
-        return TourChoice(rng) if how == "graph" else None
+    if how == "own":
+        return None
     made = make_policy(policy)
     if how == "nodes" and (rule := _rule(made)) is not None:
-        return NodeChoice(rule, LIDAR_RANGE, rng)
-    small = shape[0] // SCALE, shape[1] // SCALE
+        return NodeChoice(rule, LIDAR_RANGE, np.random.default_rng(seed))
+    small = shown_shape(shape)
     return CellChoice(made.pilot(_briefing(SCALE * CELL, small, seed)), small, BUDGET)
 
 
 def fly(simulator: DareSimulator, policy: str, adapter: Adapter, name: str, seed: int) -> Flight:
-    """Fly one episode; a failure of the simulator's process is told in the flight.
+    """Fly one episode; a failure of the simulator's process or of the policy is told in the flight.
 
     Raises:
         InputError: the process cannot be started.
@@ -115,8 +116,11 @@ def fly(simulator: DareSimulator, policy: str, adapter: Adapter, name: str, seed
         while not state.done and flight.moves < MOST_MOVES and len(state.useful):
             state = simulator.move(None if chooser is None else state.first_move(chooser.choose(state)))
             flight = _seen(flight, state, flight.moves + 1)
-    except PeerFailure as failure:
-        return flight.model_copy(update={"failure": str(failure)})
+    except InputError:
+        raise
+    except Exception as error:
+        told = str(error) if isinstance(error, PeerFailure) else described(error)
+        return flight.model_copy(update={"failure": told})
     return flight
 
 

@@ -27,7 +27,7 @@ METRES: dict[str, Callable[[Flight], float | None]] = {
 
 def flight_table(flights: Sequence[Flight], policies: Sequence[str]) -> Table:
     """Return the mean metres of policies over the tasks that all have flown, and ratios to the expert's."""
-    flown = {name: {each.key[1:]: each for each in flights if each.policy == name} for name in policies}
+    flown = {name: {f.key[1:]: f for f in flights if f.policy == name and f.failure is None} for name in policies}
     tasks = sorted(set.intersection(*(set(each) for each in flown.values())))
     rows = {name: [each[task] for task in tasks] for name, each in flown.items()}
     columns = [words("policy", 12), Column("chosen by"), Column("done"), Column("moves")]

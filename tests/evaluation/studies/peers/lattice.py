@@ -76,7 +76,7 @@ def _state() -> dict[str, Any]:
     _flight.update(nodes=nodes, edges=np.array(edges), utility=utility, node=here)
     utility = _flight["utility"] = np.where(np.isfinite(_ways()), utility, 0)
     return {
-        "belief": belief.copy()[:40, :120],
+        "belief": belief.copy(),
         "nodes": nodes.astype(np.int32),
         "edges": np.array(edges, np.int32),
         "utility": utility,

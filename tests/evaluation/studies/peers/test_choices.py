@@ -6,10 +6,13 @@ import pytest
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.evaluation.studies.peers.by_cells import SCALE, shown
-from indoor_explorers.evaluation.studies.peers.flights import EXPERT, GRAPH_TOUR, chosen_by, fly
+from indoor_explorers.evaluation.studies.peers.flights import EXPERT, chosen_by, fly
 from indoor_explorers.evaluation.studies.peers.graph import GraphState
 from indoor_explorers.evaluation.studies.peers.tours import TourPlanner
+from indoor_explorers.planners.random_walk import RandomWalkPilot
 from tests.evaluation.studies.peers import lattice
+
+TOUR = "frontier-tour"
 
 
 class Simulator:
@@ -40,7 +43,7 @@ def _flown(policy: str, adapter: str = "auto"):
     ("policy", "adapter", "how"),
     [
         (EXPERT, "auto", "own"),
-        (GRAPH_TOUR, "auto", "graph"),
+        (TOUR, "auto", "nodes"),
         ("frontier", "auto", "nodes"),
         ("rrt", "auto", "nodes"),
         ("frontier", "cells", "cells"),
@@ -62,10 +65,10 @@ def test_every_policy_explores_the_graph_to_its_end(policy: str, adapter: str, h
 
 def test_tours_are_shorter_than_greedy_flights() -> None:
     """The tour planner, and the rule of `frontier` among its nodes, need less than the nearest useful node does."""
-    nearest, tour = _flown(EXPERT).metres, _flown(GRAPH_TOUR)
+    nearest, tour = _flown(EXPERT).metres, _flown(TOUR)
     assert tour.metres < 0.9 * nearest
     assert _flown("frontier").metres < 0.9 * nearest
-    assert _flown(GRAPH_TOUR) == tour
+    assert _flown(TOUR) == tour
 
 
 def test_a_tour_has_every_point_in_view_and_no_node_twice(state: GraphState) -> None:
@@ -99,7 +102,8 @@ def test_distances_and_moves_are_along_the_edges(state: GraphState) -> None:
 def test_the_shown_map_has_the_frontier_of_the_simulator_alone(state: GraphState) -> None:
     """Unknown cells beside free ones are near counted points; all reachable nodes are on free cells."""
     belief = shown(state)
-    assert belief.shape == (state.belief.shape[0] // SCALE, state.belief.shape[1] // SCALE)
+    assert state.belief.shape == (41, 121)
+    assert belief.shape == (21, 61)
     assert (belief[tuple(state.nodes.T // SCALE)] == FREE).all()
     free, unknown = (np.argwhere(belief == value) for value in (FREE, UNKNOWN))
     beside = unknown[(np.abs(unknown[:, None] - free).max(axis=2) <= 1).any(axis=1)]
@@ -114,5 +118,17 @@ def test_the_shown_map_has_the_frontier_of_the_simulator_alone(state: GraphState
 
 
 def test_a_policy_without_sequences_cannot_be_flown_by_nodes() -> None:
-    with pytest.raises(InputError, match="policy 'frontier-nearest' does not choose by sequences; use auto or cells"):
+    with pytest.raises(InputError, match="policy 'frontier-nearest' has no rule for nodes; use auto or cells"):
         chosen_by("frontier-nearest", "nodes")
+
+
+def test_a_policy_that_needs_the_true_map_is_refused() -> None:
+    with pytest.raises(InputError, match="policy 'reference' needs the true map, which the simulator does not give"):
+        chosen_by("reference", "auto")
+
+
+def test_a_policy_that_raises_fails_its_flight_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(RandomWalkPilot, "act", lambda self, view: dict[str, int]()["action"])
+    flight = _flown("random")
+    assert flight.failure == "KeyError: 'action'"
+    assert not flight.done

@@ -12,7 +12,8 @@ import pytest
 from indoor_explorers.evaluation.cli import main
 from indoor_explorers.evaluation.harness.reported.rows import read_reported
 from indoor_explorers.evaluation.studies.peers import dare
-from indoor_explorers.evaluation.studies.peers.results import SCENARIO
+from indoor_explorers.evaluation.studies.peers.flights import EXPERT, Flight
+from indoor_explorers.evaluation.studies.peers.results import SCENARIO, flight_table
 
 #: A clone of DARE and the interpreter of its environment, for the tests with the real simulator.
 CLONE, PYTHON = os.environ.get("DARE_CLONE"), os.environ.get("DARE_PYTHON")
@@ -45,13 +46,13 @@ def _rows(folder: Path) -> list[dict[str, str]]:
 def test_flights_are_kept_and_compared_with_the_expert(clone: Path, tmp_path: Path, capsys) -> None:
     """The same command goes on where it stopped, and another one adds to the folder."""
     out = tmp_path / "out"
-    assert _peer(clone, "--policies", "graph-tour,expert", "--maps", "2", "--out", str(out)) == 0
+    assert _peer(clone, "--policies", "frontier-tour,expert", "--maps", "2", "--out", str(out)) == 0
     told = capsys.readouterr().out
-    assert "graph-tour on 1: 110 m, 25 moves" in told
+    assert "frontier-tour on 1: 110 m, 25 moves" in told
     assert "2 maps of DARE, by its own rules" in told
     assert [row["map"] for row in _rows(out)] == ["1", "1", "10", "10"]
     first = (out / "flights.csv").read_bytes()
-    assert _peer(clone, "--policies", "graph-tour,expert", "--maps", "2", "--out", str(out)) == 0
+    assert _peer(clone, "--policies", "frontier-tour,expert", "--maps", "2", "--out", str(out)) == 0
     told = capsys.readouterr().out
     assert " on " not in told.split("maps of DARE")[0]
     assert "0.842" in told  # 110 m against the 131 m of the nearest useful node
@@ -62,9 +63,9 @@ def test_flights_are_kept_and_compared_with_the_expert(clone: Path, tmp_path: Pa
 
 def test_flights_are_reported_rows_that_say_where_they_were_measured(clone: Path, tmp_path: Path, capsys) -> None:
     out = tmp_path / "out"
-    _peer(clone, "--policies", "graph-tour", "--maps", "1", "--out", str(out))
+    _peer(clone, "--policies", "frontier-tour", "--maps", "1", "--out", str(out))
     (policy,) = read_reported(out)
-    assert policy.name == "graph-tour in DARE"
+    assert policy.name == "frontier-tour in DARE"
     assert policy.source.measured
     (row,) = policy.rows
     assert (row.scenario, row.map, row.team, row.budget, row.success) == (SCENARIO, "1", 1, 128, 1.0)
@@ -72,21 +73,23 @@ def test_flights_are_reported_rows_that_say_where_they_were_measured(clone: Path
     capsys.readouterr()
     assert main(["report", str(out), "--out", str(tmp_path / "page.html")]) == 0
     told = " ".join(capsys.readouterr().out.split())
-    assert "graph-tour in DARE \N{PILCROW SIGN} measured here in the simulator of Y. Cao et al., DARE" in told
+    assert "frontier-tour in DARE \N{PILCROW SIGN} measured here in the simulator of Y. Cao et al., DARE" in told
     assert "not flown in this world" in told
 
 
 def test_a_failure_costs_one_flight_which_is_flown_again(clone: Path, tmp_path: Path, capsys, monkeypatch) -> None:
     out = tmp_path / "out"
     monkeypatch.setenv("FAILS_ON", "10.png")
-    assert _peer(clone, "--policies", "graph-tour", "--maps", "1.png,10.png,2.png", "--out", str(out)) == 1
+    assert _peer(clone, "--policies", "frontier-tour", "--maps", "1.png,10.png,2.png", "--out", str(out)) == 1
     told = capsys.readouterr()
-    assert "graph-tour on 10: the process of DARE ended with exit code 7; it printed: no memory for the map" in told.err
+    assert (
+        "frontier-tour on 10: the process of DARE ended with exit code 7; it printed: no memory for the map" in told.err
+    )
     assert [bool(row["failure"]) for row in _rows(out)] == [False, True, False]
     assert len(read_reported(out)[0].rows) == 2
     monkeypatch.delenv("FAILS_ON")
-    assert _peer(clone, "--policies", "graph-tour", "--maps", "1.png,10.png,2.png", "--out", str(out)) == 0
-    assert capsys.readouterr().out.count("graph-tour on") == 1
+    assert _peer(clone, "--policies", "frontier-tour", "--maps", "1.png,10.png,2.png", "--out", str(out)) == 0
+    assert capsys.readouterr().out.count("frontier-tour on") == 1
     assert [row["failure"] for row in _rows(out)] == ["", "", ""]
 
 
@@ -97,7 +100,7 @@ def test_a_failure_costs_one_flight_which_is_flown_again(clone: Path, tmp_path: 
         (["--maps", "5"], "got '5'; there are 4 maps"),
         (["--policies", "frontir"], "did you mean 'frontier'?"),
         (["--policies", "frontier,frontier"], "expected different policies, got one twice"),
-        (["--policies", "frontier-nearest", "--adapter", "nodes"], "does not choose by sequences"),
+        (["--policies", "frontier-nearest", "--adapter", "nodes"], "has no rule for nodes"),
     ],
 )
 def test_wrong_options_are_one_line(clone: Path, capsys, more: list[str], told: str) -> None:
@@ -108,7 +111,7 @@ def test_wrong_options_are_one_line(clone: Path, capsys, more: list[str], told: 
 
 
 def test_another_clone_or_interpreter_is_one_line(clone: Path, capsys) -> None:
-    assert _peer(clone, "--policies", "graph-tour", python="/no/python") == 2
+    assert _peer(clone, "--policies", "frontier-tour", python="/no/python") == 2
     assert "/no/python: expected a Python interpreter, cannot start it" in capsys.readouterr().err
     (clone / "parameter.py").write_bytes(b"CELL_SIZE = 0.2\n")
     assert _peer(clone) == 2
@@ -136,3 +139,27 @@ def test_the_real_simulator_and_its_expert(tmp_path: Path) -> None:
     expert, frontier = _rows(out)
     assert (expert["moves"], round(float(expert["metres"]))) == ("72", 471)
     assert frontier["done"] == "True"
+
+
+def test_flights_that_did_not_end_make_bounds() -> None:
+    """What one of the two never reached counts with all that it flew, and a sign says in which direction."""
+
+    def flight(policy: str, name: str, metres: float, done: bool) -> Flight:
+        known = {"metres_90": metres / 2, "metres_99": metres if done else None}
+        return Flight(policy=policy, chosen_by="nodes", map=name, seed=0, metres=metres, done=done, moves=9, **known)
+
+    maps = [str(number) for number in range(8)]
+    mine = [flight("frontier", name, 90.0, name != "3") for name in maps]
+    theirs = [flight(EXPERT, name, 100.0, True) for name in maps]
+    frontier, expert = flight_table([*mine, *theirs], ["frontier", EXPERT]).rows
+    told = [cell.line for cell in frontier.cells]
+    assert told[1] == "88\N{NARROW NO-BREAK SPACE}%"
+    assert told[3:] == [
+        "45",
+        "0.900 [0.900, 0.900]",
+        "> 90",
+        "> 0.900 [0.900, 0.900]",
+        "> 90",
+        "> 0.900 [0.900, 0.900]",
+    ]
+    assert [cell.text for cell in expert.cells[3:]] == ["50", "\N{EN DASH}", "100", "\N{EN DASH}", "100", "\N{EN DASH}"]
