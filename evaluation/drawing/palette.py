@@ -28,7 +28,7 @@ GREY = 6
 #: The shipped policies by the index of their colour; those that are often compared differ in it.
 SHIPPED = {
     0: ("frontier", "frontier-joint", "rrt-nbv", "frontier-hungarian", "sgba"),
-    1: ("frontier-nearest", "frontier-burgard", "hedac", "frontier-mrtsp"),
+    1: ("frontier-nearest", "frontier-burgard", "hedac", "frontier-mrtsp", "cover-tour"),
     2: ("dddqn", "dddqn-places", "pomdp", "prior-tour", "return-to-base"),
     3: ("pso", "frontier-advantage", "pso-robots", "prm-tour", "rrt-predictive"),
     4: ("rrt", "rrt-aep", "aco", "frontier-tour", "dddqn-thesis"),

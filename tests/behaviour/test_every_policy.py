@@ -36,6 +36,7 @@ every_explorer = parametrized(EXPLORERS, slow=[*AS_FRONTIER, *BY_ESTIMATES])
 #: Policies whose decisions take longest, and those that decide much as another one does.
 SLOW_CONFORMANCE = [
     "prm-tour",
+    "cover-tour",
     "rrt-aep",
     "rrt-frontier",
     "rrt-nbv",
@@ -75,7 +76,7 @@ def test_it_passes_the_conformance_suite(name):
     assert name in UNRELIABLE or found["failure modes"].startswith("all 9 finished")
 
 
-@parametrized(EXPLORERS, slow=["prm-tour", *AS_FRONTIER, *BY_ESTIMATES])
+@parametrized(EXPLORERS, slow=["prm-tour", "cover-tour", *AS_FRONTIER, *BY_ESTIMATES])
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: "-".join(map(str, list(row.values())[1:])))
 def test_it_explores_all_with_any_team_radio_and_lidar(name: str, row: dict[str, Any], map_files: Path) -> None:
     settings = {

@@ -45,7 +45,10 @@ GIVEN: list[tuple[str, dict[str, float], dict[str, float]]] = [
             {"depth": 1.0, "discount": 2.0, "hold": 3.0},
             {"decay_length": 1.0, "discount_rate": 2.0, "switch_cost": 3.0},
         )
-        for name in ("frontier-latency", "frontier-predictive", "rrt-frontier", "rrt-predictive", "rrt-nbv", "prm-tour")
+        for name in (
+            *("frontier-latency", "frontier-predictive", "rrt-frontier", "rrt-predictive", "rrt-nbv"),
+            *("prm-tour", "cover-tour"),
+        )
     ),
     (
         "rrt-aep",

@@ -1,7 +1,7 @@
 """Local search on visiting orders, for objectives that depend on the times of arrival.
 
 :mod:`~indoor_explorers.planners.toolbox.routing.min_latency` and
-:mod:`~indoor_explorers.planners.sampling.prm_tour` describe the objectives. Tours whose cost is their length
+:mod:`~indoor_explorers.planners.sampling.cover_tours` describe the objectives. Tours whose cost is their length
 have a search of their own (:mod:`~indoor_explorers.planners.toolbox.routing.open_tours`), which adds up differences
 instead of whole costs.
 """

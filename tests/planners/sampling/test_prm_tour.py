@@ -5,7 +5,7 @@ from itertools import pairwise, permutations
 import numpy as np
 import pytest
 
-from indoor_explorers.planners.sampling.prm_tour import improved_tour, value_of_tour
+from indoor_explorers.planners.sampling.cover_tours import improved_tour, value_of_tour
 
 
 def plain_value(costs: np.ndarray, worths: np.ndarray, order: tuple[int, ...], rate: float) -> float:

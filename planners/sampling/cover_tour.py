@@ -1,0 +1,116 @@
+"""Tours through few viewpoints that see the whole frontier, after TARE (Cao et al. 2021)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.grid.arrays import Belief, Cell, Distances
+from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN, UNREACHABLE
+from indoor_explorers.env.policies.policy import Pilot
+from indoor_explorers.env.policies.renamed import renamed
+from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.env.search.frontiers import frontier_mask
+from indoor_explorers.planners.sampling.cover_tours import CoverParameters
+from indoor_explorers.planners.sampling.viewpoints import ViewpointPilot, ViewpointPolicy, Viewpoints
+from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters, middles
+from indoor_explorers.planners.toolbox.information.candidates import distances_between
+from indoor_explorers.planners.toolbox.information.view_gain import visible_sets
+from indoor_explorers.planners.toolbox.parameters import bounded
+from indoor_explorers.planners.toolbox.routing.open_tours import nearest_neighbour
+
+
+@renamed()
+@dataclass(frozen=True, kw_only=True)
+class CoverTour(CoverParameters, ViewpointPolicy):
+    """Select few viewpoints that together see all frontier cells, and fly to the first one of a tour.
+
+    As in ``prm-tour``, covers are drawn several times and the tour of the highest value is flown, but a cover has to
+    see the frontier from near, not all unknown cells that may be in view from afar: walls behind a frontier are not
+    known yet. Viewpoints lie on a lattice and in the middle of each frontier cluster. With ``as_published`` the
+    shortest tour is flown.
+
+    C. Cao, H. Zhu, H. Choset, J. Zhang, "TARE: a hierarchical framework for efficiently exploring complex 3D
+    environments", RSS 2021, doi:10.15607/RSS.2021.XVII.018.
+    """
+
+    keep: float = 1.0
+    stops: int = 40
+    reach: float = bounded(0.8, least=0.1, most=1)
+    """Distance from which a viewpoint sees a frontier cell, in lidar ranges."""
+    spacing: float = bounded(0.2, least=0)
+    """Distance between the viewpoints of the lattice, in lidar ranges; at least a cell."""
+    period: float = bounded(0.2, least=0)
+    """Length of flight after which the UAV chooses again if the map has grown, in lidar ranges."""
+    as_published: bool = False
+    """Whether to fly the shortest tour."""
+
+    def pilot(self, briefing: Briefing) -> Pilot:
+        """Make the pilot of one UAV."""
+        return CoverTourPilot(briefing, self)
+
+
+class CoverTourPilot(ViewpointPilot):
+    """Keep the stops of the tour, which are viewpoints again; fly to the first one of the best tour."""
+
+    def __init__(self, briefing: Briefing, policy: CoverTour) -> None:
+        super().__init__(briefing, policy)
+        self._policy = policy
+        self._stops = np.empty(0, np.int32)
+        self.replan_period = policy.period * briefing.lidar_range
+        self._rate = 0.0 if policy.as_published else policy.discount_rate / briefing.lidar_range
+        apart = max(1, round(policy.spacing * briefing.lidar_range))
+        on_lattice = [np.arange(length) % apart == apart // 2 for length in briefing.shape]
+        self._lattice = np.logical_and.outer(*on_lattice)
+
+    def viewpoint(self, view: View) -> Cell | None:
+        """Return the first stop of the best tour."""
+        reach = self._policy.reach * self.briefing.lidar_range
+        viewpoints = self.judged(view, self._candidates(view)).unclaimed()
+        bits = visible_frontier(view.belief, self.steps_from(view, view.cell), viewpoints.cells, reach)
+        useful = np.flatnonzero(bits.any(axis=1))
+        if not len(useful):
+            return None
+        self._stops = self._tour(view, viewpoints.selected(useful), bits[useful])
+        return divmod(int(self._stops[0]), self.paths.width)
+
+    def _candidates(self, view: View) -> NDArray[np.int32]:
+        """Return the flat cells (K,) of the lattice, in the middle of frontier clusters, and of the last tour."""
+        lattice = np.flatnonzero(self._lattice & (view.belief == FREE))
+        ends = middles(frontier_clusters(view.belief, self.briefing.lidar_range), self.paths.width)
+        return np.union1d(np.union1d(lattice, ends), self._stops).astype(np.int32)
+
+    def _tour(self, view: View, viewpoints: Viewpoints, bits: NDArray[np.uint64]) -> NDArray[np.int32]:
+        """Return the stops of the best tour, (K,) flat cells."""
+        kept = np.flatnonzero(np.isin(viewpoints.cells, self._stops))
+        covers = self._policy.covers(bits, np.ones(len(bits)), kept, 1, self.rng)
+        used = np.unique(np.concatenate([picks for picks, _ in covers]))
+        costs = self._lengths(view, viewpoints.selected(used))
+        totals = np.bitwise_count(bits).sum(axis=1)
+        tours = []
+        for picks, added in covers:
+            places = np.concatenate([[0], 1 + np.searchsorted(used, picks)])
+            worths = np.zeros(len(costs))
+            worths[places[1:]] = added / totals[picks] * viewpoints.gains[picks]
+            tours.append((worths, places[nearest_neighbour(costs[np.ix_(places, places)])]))
+        order = self._policy.best_tour(costs, tours, self._rate)
+        return np.asarray(viewpoints.cells[used[order[1:] - 1]], np.int32)
+
+    def _lengths(self, view: View, viewpoints: Viewpoints) -> NDArray[np.float64]:
+        """Return the steps between the UAV, place 0, and (K,) viewpoints, (K + 1, K + 1)."""
+        cells = np.concatenate([self.paths.flat([view.cell]), viewpoints.cells])
+        steps = np.concatenate([[0], viewpoints.steps])[None]
+        return np.asarray(distances_between(view.belief, cells, steps, view.belief.size))
+
+
+def visible_frontier(belief: Belief, steps: Distances, cells: NDArray[np.int32], reach: float) -> NDArray[np.uint64]:
+    """Return the frontier cells in sight of each of (K,) flat cells as bit sets, (K, words) uint64.
+
+    Those are the free cells beside unknown ones that the (H, W) ``steps`` reach, at most ``reach`` cells away, with
+    only known free cells between.
+    """
+    marked = np.where(belief == UNKNOWN, OCCUPIED, belief).astype(np.uint8)
+    marked[frontier_mask(belief) & (steps < UNREACHABLE)] = UNKNOWN  # which the lidar sees through, and is counted
+    return visible_sets(marked, cells, reach)
