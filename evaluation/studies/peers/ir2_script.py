@@ -1,8 +1,8 @@
 """Drives the simulator of IR2 in its own process, in the folder of a clone; never imported by this package.
 
 Questions: :func:`begin` an episode, then :func:`move` the robot whose turn it is. Both answer with what that robot
-knows. The classes of the simulator run as they are, in the order of its own tests, but for :func:`_scan` and
-:func:`_blocked`, which compute the same in less time. The inputs of its network are not computed.
+knows. The classes of the simulator run as they are, in the order of its own tests, but for the functions that the end
+of this file replaces, which give the same in less time. The inputs of its network are not computed.
 """
 
 from __future__ import annotations
