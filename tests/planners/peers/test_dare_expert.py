@@ -91,11 +91,11 @@ def test_the_goals_are_nodes_and_the_first_one_is_where_the_uav_starts(clone: Pa
 
 
 @pytest.mark.parametrize(
-    ("ending", "told"), [("exit", "ended with exit code 3"), ("hang", "gave no answer within 5 s")]
+    ("ending", "told"), [("exit", "ended with exit code 3"), ("hang", "gave no answer within 2 s")]
 )
 def test_a_process_that_fails_costs_its_own_episode(clone: Path, ending: str, told: str) -> None:
     (clone / f"{ending}.once").touch()
-    policy = DareExpert(clone=str(clone), python=sys.executable, time_limit=5.0)
+    policy = DareExpert(clone=str(clone), python=sys.executable, time_limit=2.0)
     records = flown(policy, seeds=(500, 501))
     assert sorted(record.outcome for record in records) == sorted([Outcome.FAILED, Outcome.COMPLETE])
     (failed,) = (record.reason for record in records if record.outcome is Outcome.FAILED)
