@@ -26,18 +26,13 @@ from indoor_explorers.learners.published.checkpoint import Published, Sizes
 from indoor_explorers.learners.published.lattice import Indices, Points
 from indoor_explorers.learners.published.routes import GlobalGraph
 from indoor_explorers.learners.published.sighted import Observation, SightedNodes, resolution
-from indoor_explorers.planners.toolbox.peers.clone import PublishedCode
+from indoor_explorers.planners.toolbox.peers.ir2 import IR2
 
-_CODE = PublishedCode(
-    url="https://github.com/marmotlab/IR2",
-    commit="e53a6fc2c384c7b55a393968b8b85d5b401075e5",
-    files={
+_CODE = IR2.with_files(
+    {
         "model.py": "2a0c4d91497fc5b5db981e2b91f1b8ed4ed11550bfaee3a67c5d6d1a967fd637",
-        "graph_generator.py": "dc1fedf48624981d3958c95200eb8e8440221edd87b7b42341900f4b06af3d04",
-        "node.py": "d156b1089d75f05a4323e0ece65362b9e850d7a2c7b0690f4d360ad8fb043e53",
-        "env.py": "6cad60ce769e35d5f3404229d081b665b70a4e70749a11e6f48214c61b2c0bd9",
         "test_multi_robot_worker.py": "f8ac603e8f7119064423f03dc0887ac3c2aa4c4d2b3da3ccc9709956d56190c4",
-    },
+    }
 )
 NETWORK = Published(_CODE, "model/stage2/checkpoint.pth", Sizes(inputs=6, heads=8))
 #: Pixels: the lidar range, the range within which frontier points count, and the side of the blocks that have one.

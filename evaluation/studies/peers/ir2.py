@@ -13,21 +13,16 @@ from pathlib import Path
 
 from indoor_explorers.env.errors import InputError, did_you_mean
 from indoor_explorers.evaluation.studies.peers.by_path import Turn
-from indoor_explorers.planners.toolbox.peers.clone import PublishedCode
+from indoor_explorers.planners.toolbox.peers.ir2 import IR2
 from indoor_explorers.planners.toolbox.peers.process import Need, Peer, PeerProcess
 
-CODE = PublishedCode(
-    url="https://github.com/marmotlab/IR2",
-    commit="e53a6fc2c384c7b55a393968b8b85d5b401075e5",
-    files={
-        "env.py": "6cad60ce769e35d5f3404229d081b665b70a4e70749a11e6f48214c61b2c0bd9",
+CODE = IR2.with_files(
+    {
         "graph.py": "b1d5d41810d68273b0a588dca960c4eb10261f4acf6e0ab7744321b25c46f822",
-        "graph_generator.py": "dc1fedf48624981d3958c95200eb8e8440221edd87b7b42341900f4b06af3d04",
-        "node.py": "d156b1089d75f05a4323e0ece65362b9e850d7a2c7b0690f4d360ad8fb043e53",
         "sensor.py": "a7a71eabcb0dde3b586dddfb21f7b5f77ef3bd1d7462f2bda094f7945b8e8f73",
         "ss_realistic_model.py": "dee2f76a4673dd663138acfe1a4654f2cccb0ba103dac0346d5c7bace0f26b92",
         "test_parameter.py": "6616067502c3493138a9e61835669320c1509cf07fa95fe73334c4f2c9a8d309",
-    },
+    }
 )
 #: What drives it in the process.
 SCRIPT = Path(__file__).with_name("ir2_script.py")

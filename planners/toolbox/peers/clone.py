@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from indoor_explorers.env.errors import InputError
@@ -31,6 +31,10 @@ class PublishedCode:
     def how_to_fetch(self) -> str:
         """The command that clones the repository at the commit."""
         return f"git clone {self.url} && git -C {self.name} checkout {self.commit}"
+
+    def with_files(self, more: Mapping[str, str]) -> PublishedCode:
+        """Return the code with more files that matter, as of a part that uses more of it."""
+        return replace(self, files={**self.files, **more})
 
     def checked(self, folder: str | Path) -> Path:
         """Return the absolute path of a clone whose files are those of the commit.
