@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Annotated, Literal
 
-from indoor_explorers.evaluation.cli.command import Command, make_console, print_line
+from indoor_explorers.evaluation.cli.command import Command, make_console
+from indoor_explorers.evaluation.cli.commands.peer_flights import kept_flights, print_flights, refuse_repeated
 from indoor_explorers.evaluation.harness.experiment.request import POLICY_NAMES, SEED, Option, Request, read_names
 
 
@@ -32,15 +32,12 @@ class PeerOptions(Request):
 def fly_dare(options: PeerOptions, typed: str) -> int:
     """Fly policies in DARE's simulator, and print their metres and the ratios to its expert's."""
     from indoor_explorers.env.errors import InputError
-    from indoor_explorers.env.files import writable
-    from indoor_explorers.evaluation.drawing.table import terminal_table
     from indoor_explorers.evaluation.studies.peers.dare import DareSimulator
     from indoor_explorers.evaluation.studies.peers.flights import FILE, Flight, chosen_by, flights
     from indoor_explorers.evaluation.studies.peers.kept import read_flights, write_flights
     from indoor_explorers.evaluation.studies.peers.results import flight_table, write_rows
 
-    if len(set(options.policies)) < len(options.policies):
-        raise InputError("--policies: expected different policies, got one twice; leave it out")
+    refuse_repeated(options.policies)
     simulator = DareSimulator(options.clone, options.python)
     names = simulator.maps(options.maps)
     how = {policy: chosen_by(policy, options.adapter) for policy in options.policies}
@@ -48,26 +45,22 @@ def fly_dare(options: PeerOptions, typed: str) -> int:
     for each in held:
         if each.chosen_by != how.get(each.policy, each.chosen_by):
             raise InputError(f"{options.out}: {each.policy} was flown by {each.chosen_by}; choose another --out")
-    console, found = make_console(), {each.key: each for each in held}
+
+    def told(flight: Flight) -> str:
+        return f"{flight.metres:.0f} m, {flight.moves} moves{'' if flight.done else ', not done'}"
+
+    def write(out: Path, found: list[Flight]) -> None:
+        write_flights(out / FILE, Flight, found)
+        write_rows(found, out)
+
+    console, tasks = make_console(), [(name, options.seed) for name in names]
     with simulator.process:
-        for flight in flights(simulator, options.policies, options.adapter, [(n, options.seed) for n in names], held):
-            found[flight.key] = flight
-            told = flight.failure or f"{flight.metres:.0f} m, {flight.moves} moves{'' if flight.done else ', not done'}"
-            print_line(console, f"{flight.policy} on {flight.map}: {told}", "red" if flight.failure else None)
-            if options.out is not None:
-                with writable(options.out, "--out"):
-                    write_flights(options.out / FILE, Flight, found.values())
-                    write_rows(list(found.values()), options.out)
+        ending = flights(simulator, options.policies, options.adapter, tasks, held)
+        found = kept_flights(console, held, ending, told, options.out, write)
     asked = {Path(name).stem for name in names}
-    shown = [each for each in found.values() if each.map in asked and each.seed == options.seed]
+    shown = [each for each in found if each.map in asked and each.seed == options.seed]
     table = flight_table([each for each in shown if each.policy in options.policies], options.policies)
-    console.print_table(terminal_table(table))
-    if options.out is not None:
-        print_line(console, f"Flights: {options.out}")
-    failed = [each for each in shown if each.failure is not None]
-    for each in failed:
-        sys.stderr.write(f"indoor-explorers: {each.policy} on {each.map}: {each.failure}\n")
-    return 1 if failed else 0
+    return print_flights(console, table, shown, options.out)
 
 
 DARE = Command("peer dare", "fly policies in the simulator of DARE, run from a clone of it", PeerOptions, fly_dare)

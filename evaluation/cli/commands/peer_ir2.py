@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Annotated, Literal
 
-from indoor_explorers.evaluation.cli.command import Command, make_console, print_line
+from indoor_explorers.evaluation.cli.command import Command, make_console
+from indoor_explorers.evaluation.cli.commands.peer_flights import kept_flights, print_flights, refuse_repeated
 from indoor_explorers.evaluation.harness.experiment.request import POLICY_NAMES, Option, Request, read_names
 
 
@@ -37,16 +37,13 @@ class TeamPeerOptions(Request):
 def fly_ir2(options: TeamPeerOptions, typed: str) -> int:
     """Fly policies in IR2's simulator, and print their steps, their longest paths and ratios to imported rows."""
     from indoor_explorers.env.errors import InputError
-    from indoor_explorers.env.files import writable
-    from indoor_explorers.evaluation.drawing.table import terminal_table
     from indoor_explorers.evaluation.harness.reported.rows import joined, read_reported
     from indoor_explorers.evaluation.studies.peers.ir2 import Ir2Simulator
     from indoor_explorers.evaluation.studies.peers.ir2_flights import FILE, TeamFlight, flights
     from indoor_explorers.evaluation.studies.peers.ir2_results import flight_table, scenario_of, write_rows
     from indoor_explorers.evaluation.studies.peers.kept import read_flights, write_flights
 
-    if len(set(options.policies)) < len(options.policies):
-        raise InputError("--policies: expected different policies, got one twice; leave it out")
+    refuse_repeated(options.policies)
     simulator = Ir2Simulator(options.clone, options.python, mended=options.mend_maps)
     tasks = simulator.tasks(options.tasks, options.maps)
     others = joined(each for folder in options.against for each in read_reported(folder))
@@ -54,26 +51,20 @@ def fly_ir2(options: TeamPeerOptions, typed: str) -> int:
     if options.against and not others:
         raise InputError(f"--against: expected imported rows of scenario {scenario_of(options.tasks)}, found none")
     console, held = make_console(), read_flights(options.out / FILE, TeamFlight) if options.out else []
-    found = {each.key: each for each in held}
+
+    def told(flight: TeamFlight) -> str:
+        return f"{flight.steps} steps, {flight.pixels:.0f} px{'' if flight.done else ', not done'}"
+
+    def write(out: Path, found: list[TeamFlight]) -> None:
+        write_flights(out / FILE, TeamFlight, found)
+        write_rows(found, out)
+
     with simulator.process:
-        for flight in flights(simulator, options.policies, tasks, held):
-            found[flight.key] = flight
-            told = f"{flight.steps} steps, {flight.pixels:.0f} px{'' if flight.done else ', not done'}"
-            style = "red" if flight.failure else None
-            print_line(console, f"{flight.policy} on {flight.map}: {flight.failure or told}", style)
-            if options.out is not None:
-                with writable(options.out, "--out"):
-                    write_flights(options.out / FILE, TeamFlight, found.values())
-                    write_rows(list(found.values()), options.out)
+        ending = flights(simulator, options.policies, tasks, held)
+        found = kept_flights(console, held, ending, told, options.out, write)
     keys = {(options.tasks, Path(task.map).stem, options.mend_maps) for task in tasks}
-    shown = [each for each in found.values() if each.key[1:] in keys and each.policy in options.policies]
-    console.print_table(terminal_table(flight_table(shown, options.policies, options.tasks, others)))
-    if options.out is not None:
-        print_line(console, f"Flights: {options.out}")
-    failed = [each for each in shown if each.failure is not None]
-    for each in failed:
-        sys.stderr.write(f"indoor-explorers: {each.policy} on {each.map}: {each.failure}\n")
-    return 1 if failed else 0
+    shown = [each for each in found if each.key[1:] in keys and each.policy in options.policies]
+    return print_flights(console, flight_table(shown, options.policies, options.tasks, others), shown, options.out)
 
 
 IR2 = Command("peer ir2", "fly teams in the simulator of IR2, run from a clone of it", TeamPeerOptions, fly_ir2)
