@@ -2,9 +2,9 @@
 
 The papers spread nodes evenly on a lattice and join nodes by collision-free straight lines. In our maps, doors are one
 cell wide, so a lattice would miss them. Here the map is cut into square blocks, and each connected part of a block's
-free cells has one node: its cell nearest to the centre of the block. The UAV's own cell is the node of its part, and
-node 0. Edges lead to the nodes with the shortest paths through free cells. So the graph is connected where the free
-space is, and every edge can be flown.
+free cells has one node: its cell nearest to the centre of the block. Node 0 is the UAV's own cell. Edges lead to the
+nodes with the shortest paths through free cells. So the graph is connected where the free space is, and every edge can
+be flown.
 
 Features of a node, as in the papers: position relative to the UAV; utility, the number of frontier cells in view; and a
 guidepost. The released code of both papers marks visited nodes by the guidepost, and takes their utility away; here it
@@ -100,14 +100,12 @@ def _flood_block(
 
 
 @leaf(entry=False)
-def _central(cells: np.ndarray, own: int, middle: tuple[float, float], width: int) -> int:
-    """Return the cell of (K,) that is nearest to ``middle``; ``own`` if it is among them."""
+def _central(cells: np.ndarray, middle: tuple[float, float], width: int) -> int:
+    """Return the cell of (K,) that is nearest to ``middle``."""
     best, least = cells[0], np.inf
     for k in range(cells.shape[0]):
         row, col = divmod(cells[k], width)
         away = (row - middle[0]) ** 2 + (col - middle[1]) ** 2
-        if cells[k] == own:
-            away = -1.0
         if away < least:
             best, least = cells[k], away
     return int(best)
@@ -130,7 +128,7 @@ def _nodes(area: np.ndarray, own: int, side: int) -> np.ndarray:
                         seed = row * width + col
                         if area[row, col] == kind and not done[seed]:
                             size = _flood_block(area, seed, box, done, queue)
-                            cell = _central(queue[:size], own, middle, width)
+                            cell = _central(queue[:size], middle, width)
                             if cell != own and (kind == _KNOWN or size >= side):  # scraps of hidden cells have none
                                 nodes[count] = cell
                                 count += 1
@@ -174,6 +172,12 @@ def _in_view(occupancy: np.ndarray, nodes: np.ndarray, counted: np.ndarray, lida
             if kind > 0:
                 out[n, kind - 1] += 1
     return out
+
+
+def unknown_in_view(belief: Belief, nodes: NDArray[np.int32], lidar_range: float) -> NDArray[np.int32]:
+    """Return how many unknown cells are in view of each of (N,) flat cells, (N,)."""
+    unknown = (belief == UNKNOWN).astype(np.uint8).ravel()
+    return np.asarray(_in_view(belief, nodes, unknown, lidar_model(lidar_range))[:, 0])
 
 
 def known_graph(belief: Belief, cell: Cell, steps: Distances, around: Surroundings, settings: GraphSettings) -> Graph:

@@ -12,21 +12,22 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 
 from indoor_explorers.learners.attention.network import CLIP, NetworkSettings, Weights
+from indoor_explorers.learners.attention.sparse import attention
 
 
 class Batch(NamedTuple):
-    """B graphs, padded to N nodes."""
+    """B graphs with T nodes in all, one after the other."""
 
     features: Tensor
-    """(B, N, F)."""
+    """(T, F)."""
     near: Tensor
-    """(B, N, 1 + K) which nodes each node attends to: itself and its neighbours, as rows of the (B N, F) features."""
-    joined: Tensor
-    """(B, N, 1 + K) bool, whether there is such a neighbour."""
-    there: Tensor
-    """(B, N) bool, whether there is such a node."""
+    """(T, 1 + K) int32 rows that each node attends to: itself and its neighbours; negative for none."""
+    own: Tensor
+    """(B,) row of node 0 of each graph."""
+    all: Tensor
+    """(B, N) int32 rows of each graph; -1 for none."""
     actions: Tensor
-    """(B, K) nodes to choose from, 0 where there is none."""
+    """(B, K) rows to choose from, 0 where there is none."""
     legal: Tensor
     """(B, K) bool, whether there is one."""
 
@@ -37,18 +38,20 @@ def batch_of(
     actions: Sequence[NDArray[np.integer]],
 ) -> Batch:
     """Return graphs as a batch: (N', F) features and (N', K) neighbours of each, and the (K,) nodes to choose from."""
-    most = max(len(each) for each in features)
-    padded = torch.zeros(len(features), most, features[0].shape[1])
-    there = torch.zeros(len(features), most, dtype=torch.bool)
-    near = torch.full((len(features), most, 1 + neighbours[0].shape[1]), -1)
-    near[:, :, 0] = torch.arange(most)
-    for b, (rows, edges) in enumerate(zip(features, neighbours, strict=True)):
-        padded[b, : len(rows)] = torch.from_numpy(rows.astype(np.float32))
-        there[b, : len(rows)] = True
-        near[b, : len(rows), 1:] = torch.from_numpy(edges.astype(np.int64))
-    chosen = torch.from_numpy(np.stack(actions).astype(np.int64))
-    joined, first = near >= 0, most * torch.arange(len(features))[:, None, None]
-    return Batch(padded, near.clamp(min=0) + first, joined, there, chosen.clamp(min=0), chosen >= 0)
+    sizes = np.array([len(each) for each in features])
+    first = np.cumsum(sizes) - sizes
+    edges, shift = np.concatenate(neighbours).astype(np.int32), np.repeat(first, sizes)[:, None]
+    near = np.concatenate([np.arange(len(edges))[:, None], np.where(edges >= 0, edges + shift, -1)], axis=1)
+    places, chosen = np.arange(sizes.max()), np.stack(actions).astype(np.int64)
+    every = np.where(places < sizes[:, None], first[:, None] + places, -1)
+    return Batch(
+        torch.from_numpy(np.concatenate(features).astype(np.float32)),
+        torch.from_numpy(near.astype(np.int32)),
+        torch.from_numpy(first),
+        torch.from_numpy(every.astype(np.int32)),
+        torch.from_numpy(np.where(chosen >= 0, first[:, None] + chosen, 0)),
+        torch.from_numpy(chosen >= 0),
+    )
 
 
 class _Block(nn.Module):
@@ -57,25 +60,14 @@ class _Block(nn.Module):
     def __init__(self, units: int, heads: int) -> None:
         super().__init__()
         self.heads = heads
-        self.of_head: Tensor  # (d, heads), 1 where a unit belongs to a head: sums over the units of each
-        self.register_buffer("of_head", torch.eye(heads).repeat_interleave(units // heads, 0), persistent=False)
         self.before, self.between = nn.LayerNorm(units), nn.LayerNorm(units)
         self.query, self.pair, self.out = nn.Linear(units, units), nn.Linear(units, 2 * units), nn.Linear(units, units)
         self.wide, self.narrow = nn.Linear(units, 2 * units), nn.Linear(2 * units, units)
 
-    def forward(self, x: Tensor, memory: Tensor, there: Tensor, near: Tensor | None = None) -> Tensor:
-        """Return x (B, Q, d) after attention to the rows ``near`` (B, Q, K) of ``memory`` (B, N, d), or to all of it.
-
-        ``there`` (B, Q, K), or (B, 1, N), tells which of these count.
-        """
+    def forward(self, x: Tensor, memory: Tensor, near: Tensor) -> Tensor:
+        """Return x (Q, d) after attention to the rows ``near`` (Q, K) of ``memory`` (T, d)."""
         query, pair = self.query(self.before(x)), self.pair(self.before(memory))
-        pair = (
-            pair[:, None] if near is None else pair.flatten(0, 1).index_select(0, near.flatten()).view(*near.shape, -1)
-        )
-        key, value = pair.chunk(2, dim=-1)
-        logits = (query[:, :, None] * key) @ self.of_head / math.sqrt(query.shape[-1] / self.heads)
-        shares = logits.masked_fill(~there[..., None], -torch.inf).softmax(dim=2)
-        x = x + self.out(((shares @ self.of_head.T) * value).sum(dim=2))
+        x = x + self.out(attention(query, pair, near, self.heads))
         hidden: Tensor = self.narrow(torch.relu(self.wide(self.between(x))))
         return x + hidden
 
@@ -95,12 +87,10 @@ class _GraphNet(nn.Module):
         """Return the decoded node 0, (B, d), and the K nodes to choose from, (B, K, d)."""
         x = self.embed(batch.features)
         for layer in self.layers:
-            x = layer(x, x, batch.joined, batch.near)
-        own = x[:, :1]
-        decoded = self.decoder(own, x, batch.there[:, None])
-        joined: Tensor = self.joined(torch.cat([decoded, own], dim=-1))
-        options = x.gather(1, batch.actions[..., None].expand(-1, -1, x.shape[-1]))
-        return joined.squeeze(1), options
+            x = layer(x, x, batch.near)
+        own = x[batch.own]
+        joined: Tensor = self.joined(torch.cat([self.decoder(own, x, batch.all), own], dim=-1))
+        return joined, x[batch.actions]
 
 
 class PolicyNet(_GraphNet):

@@ -15,7 +15,7 @@ from indoor_explorers.env.files import expanded
 from indoor_explorers.env.grid.arrays import Cell, Mask
 from indoor_explorers.env.policies.policy import TRAINED_GOAL, Policy
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.learners.attention.graph import USEFUL, Graph, Surroundings, known_graph
+from indoor_explorers.learners.attention.graph import USEFUL, Graph, Surroundings, known_graph, unknown_in_view
 from indoor_explorers.learners.attention.network import Loaded, load_weights, scores
 from indoor_explorers.learners.attention.pilot import PATIENCE, NodePilot
 from indoor_explorers.learners.sessions.record import RecordedWeights, digest_of
@@ -45,6 +45,15 @@ class AttentionPilot(NodePilot):
         if not allowed.any() or not graph.features[:, USEFUL].any():
             return None
         return divmod(int(graph.cells[options[self.pick(view, graph, allowed)]]), self.paths.width)
+
+    def is_spent(self, view: View, goal: Cell) -> bool:
+        """Tell whether the goal is reached, or the map has grown and no unknown cell is in view of it any more."""
+        return super().is_spent(view, goal) or (self.map_grew and not self.shows_unknown(view, goal))
+
+    def shows_unknown(self, view: View, cell: Cell) -> bool:
+        """Tell whether unknown cells are in view of a cell."""
+        node = np.array([cell[0] * self.paths.width + cell[1]], np.int32)
+        return bool(unknown_in_view(view.belief, node, float(self.briefing.lidar_range))[0])
 
     def surroundings(self, view: View) -> Surroundings:
         """Return what the graph tells of teammates."""

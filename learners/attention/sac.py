@@ -39,7 +39,7 @@ class SacSettings(Settings):
     """Choices in an update."""
     rate: float = Field(5e-4, gt=0.0)
     """Learning rate of the networks (the papers: 1e-5, with 16 processes that fly)."""
-    temperature_rate: float = Field(1e-3, gt=0.0)
+    temperature_rate: float = Field(3e-3, gt=0.0)
     """Learning rate of the logarithm of the temperature."""
     discount: float = Field(0.97, gt=0.0, le=1.0)
     """Discount factor per lidar range of flight."""
@@ -47,7 +47,7 @@ class SacSettings(Settings):
     """Cost of a lidar range of flight; discovering as many cells as the square of the lidar range has the reward 1."""
     target_rate: float = Field(0.01, gt=0.0, le=1.0)
     """Share of the critics that the target networks take over in an update."""
-    entropy: float = Field(0.15, ge=0.0, le=1.0)
+    entropy: float = Field(0.2, ge=0.0, le=1.0)
     """Entropy that the temperature is adjusted to, as a share of that of an even choice."""
     clip: float = Field(5.0, gt=0.0)
     """Largest norm of a network's gradient."""
@@ -90,7 +90,7 @@ class Sac:
             {"params": networks, "lr": settings.rate},
             {"params": self.temperature.parameters(), "lr": settings.temperature_rate},
         ]
-        self.optimiser = torch.optim.Adam(groups)
+        self.optimiser = torch.optim.Adam(groups, fused=True)
 
     @property
     def networks(self) -> dict[str, nn.Module]:

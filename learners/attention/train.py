@@ -90,16 +90,16 @@ class TrainingConfig(MapSettings):
     """Training flights."""
     first_update: int = Field(1000, ge=1)
     """Choices before the first update."""
-    choices_per_update: int = Field(8, ge=1)
+    choices_per_update: int = Field(4, ge=1)
     """Choices that are flown for one update."""
-    replay: int = Field(10_000, ge=2)
+    replay: int = Field(20_000, ge=2)
     """Choices that are kept."""
     graph: GraphSettings = GraphSettings()
     network: NetworkSettings = NetworkSettings()
     sac: SacSettings = SacSettings()
-    evaluation_episodes: int = Field(16, ge=1)
+    evaluation_episodes: int = Field(32, ge=1)
     """Flights of one evaluation."""
-    evaluation_every: int = Field(100, ge=1)
+    evaluation_every: int = Field(50, ge=1)
     """Episodes between two evaluations."""
     checkpoint_every: int = Field(50, ge=1)
     """Episodes between two checkpoints."""

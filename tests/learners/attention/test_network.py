@@ -11,6 +11,7 @@ from indoor_explorers.learners.attention.graph import FEATURES, Graph, GraphSett
 from indoor_explorers.learners.attention.model import CriticNet, PolicyNet, batch_of, weights_of
 from indoor_explorers.learners.attention.network import Loaded, NetworkSettings, load_weights, scores, write_weights
 from indoor_explorers.learners.attention.policy import probabilities
+from indoor_explorers.learners.attention.sparse import attention
 
 SMALL = NetworkSettings(units=16, heads=2, layers=2)
 
@@ -76,10 +77,26 @@ def test_attention_follows_edges_alone(policy: PolicyNet) -> None:
     for batch in batches:
         x = policy.embed(batch.features)
         for layer in policy.layers:
-            x = layer(x, x, batch.joined, batch.near)
-        encoded.append(x[0, 0].detach())
+            x = layer(x, x, batch.near)
+        encoded.append(x[0].detach())
     assert not torch.equal(encoded[0], encoded[1])
     assert torch.equal(encoded[0], encoded[2])
+
+
+def test_attention_to_some_rows_is_that_of_torch() -> None:
+    torch.manual_seed(3)
+    query, pair = torch.randn(7, 16, requires_grad=True), torch.randn(20, 32, requires_grad=True)
+    near = torch.stack([torch.randperm(20, dtype=torch.int32)[:5] for _ in range(7)])
+    near[2, 1:] = near[4, 3] = -1
+    mask = torch.stack([(near == row).any(dim=1) for row in range(20)], dim=1)
+    q, k, v = (part.unflatten(-1, (4, 4)).transpose(0, 1) for part in (query, *pair.chunk(2, dim=-1)))
+    expected = torch.nn.functional.scaled_dot_product_attention(q, k, v, attn_mask=mask).transpose(0, 1).flatten(1)
+    found = attention(query, pair, near, 4)
+    np.testing.assert_allclose(found.detach(), expected.detach(), atol=1e-5)
+    weight = torch.randn(7, 16)
+    gradients = [torch.autograd.grad((each * weight).sum(), (query, pair)) for each in (found, expected)]
+    for ours, theirs in zip(*gradients, strict=True):
+        np.testing.assert_allclose(ours, theirs, atol=1e-5)
 
 
 def test_heads_divide_the_units() -> None:
