@@ -53,25 +53,28 @@ def _attend(query: np.ndarray, pair: np.ndarray, near: np.ndarray, heads: int) -
     rows, units = query.shape
     size, scale = units // heads, np.float32(1.0 / math.sqrt(units // heads))
     out, shares = np.zeros((rows, units), np.float32), np.zeros((rows, near.shape[1], heads), np.float32)
+    logits = np.empty(near.shape[1], np.float32)
     for q in range(rows):
-        for h in range(heads):
-            first, most, total = h * size, np.float32(-1e30), np.float32(0.0)
+        for first in range(0, units, size):
+            asked, found = query[q, first : first + size], out[q, first : first + size]
+            most, total = np.float32(-1e30), np.float32(0.0)
             for k in range(near.shape[1]):
                 if near[q, k] >= 0:
-                    logit = np.float32(0.0)
-                    for u in range(first, first + size):
-                        logit += query[q, u] * pair[near[q, k], u]
-                    shares[q, k, h] = logit * scale
-                    most = max(most, shares[q, k, h])
+                    key, logit = pair[near[q, k], first : first + size], np.float32(0.0)
+                    for u in range(size):
+                        logit += asked[u] * key[u]
+                    logits[k] = logit * scale
+                    most = max(most, logits[k])
             for k in range(near.shape[1]):
                 if near[q, k] >= 0:
-                    shares[q, k, h] = math.exp(shares[q, k, h] - most)
-                    total += shares[q, k, h]
+                    logits[k] = math.exp(logits[k] - most)
+                    total += logits[k]
             for k in range(near.shape[1]):
                 if near[q, k] >= 0:
-                    shares[q, k, h] /= total
-                    for u in range(first, first + size):
-                        out[q, u] += shares[q, k, h] * pair[near[q, k], units + u]
+                    share, value = logits[k] / total, pair[near[q, k], units + first : units + first + size]
+                    shares[q, k, first // size] = share
+                    for u in range(size):
+                        found[u] += share * value[u]
     return out, shares
 
 
@@ -81,25 +84,29 @@ def _gradients(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the gradients of query and pair from that of the found rows (Q, d)."""
     rows, units = query.shape
-    heads = shares.shape[2]
-    size, scale = units // heads, np.float32(1.0 / math.sqrt(units // heads))
+    size = units // shares.shape[2]
+    scale = np.float32(1.0 / math.sqrt(size))
     of_query, of_pair = np.zeros(query.shape, np.float32), np.zeros(pair.shape, np.float32)
     of_share = np.empty(near.shape[1], np.float32)
     for q in range(rows):
-        for h in range(heads):
-            first, mean = h * size, np.float32(0.0)
+        for first in range(0, units, size):
+            keys, values = slice(first, first + size), slice(units + first, units + first + size)
+            given, asked, of_asked = gradient[q, keys], query[q, keys], of_query[q, keys]
+            mean = np.float32(0.0)
             for k in range(near.shape[1]):
                 if near[q, k] >= 0:
-                    found = np.float32(0.0)
-                    for u in range(first, first + size):
-                        found += gradient[q, u] * pair[near[q, k], units + u]
-                        of_pair[near[q, k], units + u] += shares[q, k, h] * gradient[q, u]
+                    share, found = shares[q, k, first // size], np.float32(0.0)
+                    value, of_value = pair[near[q, k], values], of_pair[near[q, k], values]
+                    for u in range(size):
+                        found += given[u] * value[u]
+                        of_value[u] += share * given[u]
                     of_share[k] = found
-                    mean += found * shares[q, k, h]
+                    mean += found * share
             for k in range(near.shape[1]):
                 if near[q, k] >= 0:
-                    of_logit = shares[q, k, h] * (of_share[k] - mean) * scale
-                    for u in range(first, first + size):
-                        of_query[q, u] += of_logit * pair[near[q, k], u]
-                        of_pair[near[q, k], u] += of_logit * query[q, u]
+                    of_logit = shares[q, k, first // size] * (of_share[k] - mean) * scale
+                    key, of_key = pair[near[q, k], keys], of_pair[near[q, k], keys]
+                    for u in range(size):
+                        of_asked[u] += of_logit * key[u]
+                        of_key[u] += of_logit * asked[u]
     return of_query, of_pair
