@@ -9,12 +9,13 @@ import numpy as np
 import pytest
 
 from indoor_explorers.env import InputError, World, scenario
+from indoor_explorers.env.policies.view import View
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
 from indoor_explorers.learners.attention.flights import drawn_task, fly
 from indoor_explorers.learners.attention.graph import FEATURES, TRUE_FEATURES, GraphSettings
 from indoor_explorers.learners.attention.model import PolicyNet, weights_of
 from indoor_explorers.learners.attention.network import Loaded, NetworkSettings, write_weights
-from indoor_explorers.learners.attention.policy import AttentionSac, opened
+from indoor_explorers.learners.attention.policy import AttentionPilot, AttentionSac, opened
 from indoor_explorers.learners.attention.train import TrainingConfig, train
 from indoor_explorers.learners.pockets.maps import TrainingMaps
 from indoor_explorers.learners.sessions.session import Progress
@@ -112,6 +113,28 @@ def test_an_untrained_network_explores_all_with_the_guard(weights: Path) -> None
     assert world.team_coverage[0] == 1.0
     assert pilots[0, 0].tally()["guarded_choices"] > 0
     assert pilots[0, 1].message is not None
+
+
+def test_a_goal_is_given_up_once_nothing_unknown_is_in_view_of_it(
+    weights: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ends: list[tuple[bool, bool]] = []
+    choose = AttentionPilot.choose_goal
+
+    def recorded(pilot: AttentionPilot, view: View) -> None:
+        if pilot.goal is not None:
+            ends.append((view.cell == pilot.goal, pilot.shows_unknown(view, pilot.goal)))
+        choose(pilot, view)
+
+    monkeypatch.setattr(AttentionPilot, "choose_goal", recorded)
+    world = World(scenario("small-floors").with_settings({"goal": 0.99}))
+    world.reset([3])
+    policy = AttentionSac(weights=str(weights), guard=False)
+    for _ in rollout(world, ask_pilots(policy, make_pilots(policy, world), world)):
+        pass
+    assert (False, True) not in ends
+    assert (False, False) in ends
+    assert (True, False) in ends
 
 
 def test_it_passes_the_conformance_suite(weights: Path, tmp_path: Path) -> None:
