@@ -53,12 +53,16 @@ class Replay:
         self.choices += choices
         del self.choices[: max(0, len(self.choices) - self.size)]
 
-    def drawn(self, count: int, rng: np.random.Generator) -> tuple[list[Choice], list[Choice]]:
-        """Return ``count`` random choices of which it is known how they went on, and those that follow each."""
+    def drawn(self, count: int, ahead: int, rng: np.random.Generator) -> list[list[Choice]]:
+        """Return ``count`` random choices that went on as is known, each with up to ``ahead`` next ones."""
         usable = np.flatnonzero([choice.follows >= 0 for choice in self.choices])
-        rows = rng.choice(usable, count)
-        last = len(self.choices) - 1
-        return [self.choices[row] for row in rows], [self.choices[min(row + 1, last)] for row in rows]
+        return [self._trail(int(row), ahead) for row in rng.choice(usable, count)]
+
+    def _trail(self, row: int, ahead: int) -> list[Choice]:
+        trail = [self.choices[row]]
+        while len(trail) <= ahead and trail[-1].follows == 1:
+            trail.append(self.choices[row + len(trail)])
+        return trail
 
     def tensors(self) -> dict[str, NDArray[Any]]:
         """Return everything that :meth:`restore` needs, by name."""
@@ -145,7 +149,7 @@ class AttentionTraining(Trainee):
         self._lengths.append(flown.steps)
         due = max(0, self.choices - config.first_update) // config.choices_per_update
         for _ in range(due - self.updates):
-            self.losses.append(self.sac.update(*self.replay.drawn(config.sac.batch, self.rng)))
+            self.losses.append(self.sac.update(self.replay.drawn(config.sac.batch, config.sac.ahead, self.rng)))
         self.updates = due
 
     def status(self) -> TrainingStatus:
