@@ -28,6 +28,8 @@ from indoor_explorers.env.maps.base import BaseMaps, GeneratedMaps
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.maps.generators.cave import CaveMaps
 from indoor_explorers.env.maps.generators.floors.plans import FloorsMaps
+from indoor_explorers.env.maps.generators.halls import HallsMaps
+from indoor_explorers.env.maps.generators.homes import HomesMaps
 from indoor_explorers.env.maps.generators.maze import MazeMaps
 from indoor_explorers.env.maps.generators.offices import OfficesMaps
 from indoor_explorers.env.maps.generators.rooms import RoomsMaps
@@ -40,6 +42,8 @@ __all__ = [
     "CaveMaps",
     "FileMaps",
     "FloorsMaps",
+    "HallsMaps",
+    "HomesMaps",
     "MapSource",
     "MazeMaps",
     "OfficeMap",
@@ -115,7 +119,18 @@ class OfficeMap(BaseMaps):
         return {"source": self.source, "cells": [office().digest]}
 
 
-MapSource = ThesisMaps | RoomsMaps | OfficesMaps | FloorsMaps | CaveMaps | MazeMaps | FileMaps | OfficeMap
+MapSource = (
+    ThesisMaps
+    | RoomsMaps
+    | OfficesMaps
+    | FloorsMaps
+    | HallsMaps
+    | HomesMaps
+    | CaveMaps
+    | MazeMaps
+    | FileMaps
+    | OfficeMap
+)
 
 #: The kinds of maps by name.
 SOURCES: dict[str, type[BaseMaps]] = {kind.model_fields["source"].default: kind for kind in get_args(MapSource)}

@@ -12,6 +12,8 @@ from indoor_explorers.env.maps.sources import (
     CaveMaps,
     FileMaps,
     FloorsMaps,
+    HallsMaps,
+    HomesMaps,
     MapSource,
     MazeMaps,
     OfficeMap,
@@ -122,10 +124,13 @@ def _buildings() -> Iterator[Scenario]:
     office = _building("office", OfficeMap(), 1500)
     yield from (office, _with_base(office, 2, 900), _with_base(office, 4, 500))
     offices = OfficesMaps(height=40, width=40, corridor=2, room_depth=(3, 5), room_width=(3, 6), crossing=24)
+    halls = HallsMaps(height=40, width=40, spacing=(4, 6), aisle=(1, 2), room_depth=(3, 5), room_width=(3, 6))
     for name, maps, budget, small in (
         ("rooms", RoomsMaps(), 1000, RoomsMaps(height=40, width=40, room_size=(3, 6), corridor=1)),
         ("offices", OfficesMaps(), 1000, offices),
         ("floors", FloorsMaps(), None, FloorsMaps(height=64, width=90, resolution=1.25, area=(300.0, 2500.0))),
+        ("halls", HallsMaps(), 1000, halls),
+        ("homes", HomesMaps(), 1000, HomesMaps(height=20, width=25, room_size=(3, 7), door=1)),
         ("cave", CaveMaps(), 1000, CaveMaps(height=40, width=40, chamber=4)),
         ("maze", MazeMaps(), 1500, MazeMaps(height=26, width=26, corridor=1)),
     ):

@@ -70,7 +70,7 @@ class RoomsMaps(GeneratedMaps):
         """Return the (height, width) mask of rooms and corridors."""
         gap = self.gap
         shape = (self.height + 2 * (gap - 1), self.width + 2 * (gap - 1))  # what lies beyond a wall's width is cut
-        leaves = self._leaves(rng, shape)
+        leaves = partition(rng, shape, *(size + 2 * gap for size in self.room_size))
         rooms = [self._room(rng, leaf) for leaf in leaves]
         free = np.zeros(shape, np.bool_)
         for room in rooms:
@@ -82,24 +82,6 @@ class RoomsMaps(GeneratedMaps):
             else:
                 self._carve(rng, free.T, leaves[other].top, rooms[one].turned(), rooms[other].turned())
         return free[gap - 1 : gap - 1 + self.height, gap - 1 : gap - 1 + self.width]
-
-    def _leaves(self, rng: np.random.Generator, shape: tuple[int, int]) -> list[Rectangle]:
-        """Split the plane until no leaf is larger than the largest room needs."""
-        least, most = (size + 2 * self.gap for size in self.room_size)
-        leaves, stack = [], [Rectangle(0, 0, *shape)]
-        while stack:
-            leaf = stack.pop()
-            can = [leaf.tall >= 2 * least, leaf.wide >= 2 * least]
-            must = leaf.tall > most or leaf.wide > most
-            if not any(can) or (not must and rng.random() < WHOLE):
-                leaves.append(leaf)
-                continue
-            turn = can[1] and not (can[0] and rng.random() * (leaf.tall + leaf.wide) < leaf.tall)
-            whole = leaf.turned() if turn else leaf
-            cut = int(rng.integers(least, whole.tall - least + 1))
-            for part in (whole._replace(tall=cut), whole._replace(top=whole.top + cut, tall=whole.tall - cut)):
-                stack.append(part.turned() if turn else part)
-        return leaves
 
     def _room(self, rng: np.random.Generator, leaf: Rectangle) -> Rectangle:
         """Draw a room in a leaf."""
@@ -140,6 +122,24 @@ class RoomsMaps(GeneratedMaps):
         for row, col in ((here, end), (there, other.left - 1)):
             shift = int(rng.integers(wide - door + 1))
             free[row + shift : row + shift + door, col] = True
+
+
+def partition(rng: np.random.Generator, shape: tuple[int, int], least: int, most: int) -> list[Rectangle]:
+    """Split the plane at random until no side is longer than ``most``, where both halves have at least ``least``."""
+    leaves, stack = [], [Rectangle(0, 0, *shape)]
+    while stack:
+        leaf = stack.pop()
+        can = [leaf.tall >= 2 * least, leaf.wide >= 2 * least]
+        must = leaf.tall > most or leaf.wide > most
+        if not any(can) or (not must and rng.random() < WHOLE):
+            leaves.append(leaf)
+            continue
+        turn = can[1] and not (can[0] and rng.random() * (leaf.tall + leaf.wide) < leaf.tall)
+        whole = leaf.turned() if turn else leaf
+        cut = int(rng.integers(least, whole.tall - least + 1))
+        for part in (whole._replace(tall=cut), whole._replace(top=whole.top + cut, tall=whole.tall - cut)):
+            stack.append(part.turned() if turn else part)
+    return leaves
 
 
 def neighbours(leaves: list[Rectangle], shape: tuple[int, int]) -> NDArray[np.int64]:

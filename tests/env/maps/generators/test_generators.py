@@ -13,11 +13,19 @@ from indoor_explorers.env.grid.cells import FREE, OCCUPIED
 from indoor_explorers.env.maps.generators.cave import joined
 from indoor_explorers.env.maps.generators.furniture import spares_the_way
 from indoor_explorers.env.maps.generators.offices import shares
-from indoor_explorers.env.maps.generators.rooms import Rectangle, neighbours
-from indoor_explorers.env.maps.sources import CaveMaps, FloorsMaps, MazeMaps, OfficesMaps, RoomsMaps
+from indoor_explorers.env.maps.generators.rooms import Rectangle, neighbours, partition
+from indoor_explorers.env.maps.sources import (
+    CaveMaps,
+    FloorsMaps,
+    HallsMaps,
+    HomesMaps,
+    MazeMaps,
+    OfficesMaps,
+    RoomsMaps,
+)
 from indoor_explorers.env.search.connected_parts import connected_parts
 
-KINDS = (RoomsMaps, OfficesMaps, CaveMaps, MazeMaps)
+KINDS = (RoomsMaps, OfficesMaps, HallsMaps, HomesMaps, CaveMaps, MazeMaps)
 
 
 def span(least, most):
@@ -69,6 +77,25 @@ def mazes(draw):
     return MazeMaps(corridor=corridor, wall=wall, braid=draw(st.floats(0, 1)), **sides)
 
 
+@st.composite
+def halls(draw):
+    sides = {name: draw(st.integers(10, 60)) for name in ("height", "width")}
+    sizes = {name: draw(span(1, 12)) for name in ("aisle", "rack_length", "room_depth", "room_width")}
+    shares = {"side_rooms": draw(st.floats(0, 1)), "furniture": draw(st.floats(0, 0.5))}
+    content = draw(st.sampled_from((None, "columns", "desks", "racks")))
+    return HallsMaps(content=content, spacing=draw(span(3, 15)), **sizes, **shares, **sides)
+
+
+@st.composite
+def homes(draw):
+    sizes = draw(span(1, 12))
+    sides = {name: draw(st.integers(max(5, sizes[0] + 2), 60)) for name in ("height", "width")}
+    shares = {name: draw(st.floats(0, 1)) for name in ("loops", "wide")}
+    return HomesMaps(
+        room_size=sizes, door=draw(st.integers(1, 5)), furniture=draw(st.floats(0, 0.5)), **shares, **sides
+    )
+
+
 every_map = settings(max_examples=150, deadline=None)
 seeds = st.integers(0, 2**32)
 
@@ -87,7 +114,7 @@ def one_connected_floor(maps, seed):
 
 
 @every_map
-@given(st.one_of(rooms(), offices(), caves, mazes()), seeds)
+@given(st.one_of(rooms(), offices(), halls(), homes(), caves, mazes()), seeds)
 def test_any_legal_setting_gives_one_connected_floor_inside_walls(maps, seed):
     one_connected_floor(maps, seed)
 
@@ -110,8 +137,9 @@ def test_large_and_lopsided_maps_are_connected(kind):
 def test_another_process_makes_the_same_maps():
     program = (
         "import json\n"
-        "from indoor_explorers.env.maps.sources import CaveMaps, MazeMaps, OfficesMaps, RoomsMaps\n"
-        "kinds = (RoomsMaps, OfficesMaps, CaveMaps, MazeMaps)\n"
+        "from indoor_explorers.env.maps import sources\n"
+        "names = ('RoomsMaps', 'OfficesMaps', 'HallsMaps', 'HomesMaps', 'CaveMaps', 'MazeMaps')\n"
+        "kinds = [getattr(sources, name) for name in names]\n"
         "sides = ((64, 64), (30, 97))\n"
         "found = [k(height=h, width=w).floorplan(0, s).digest for k in kinds for h, w in sides for s in range(3)]\n"
         "import sys; sys.stdout.write(json.dumps(found))\n"
@@ -161,7 +189,7 @@ def test_rooms_are_entered_by_doors_alone(maps, seed):
     rng = np.random.default_rng(seed)
     gap = maps.gap
     shape = (maps.height + 2 * gap - 2, maps.width + 2 * gap - 2)
-    leaves = maps._leaves(rng, shape)
+    leaves = partition(rng, shape, *(size + 2 * gap for size in maps.room_size))
     assert sum(leaf.tall * leaf.wide for leaf in leaves) == shape[0] * shape[1]
     placed = [maps._room(rng, leaf) for leaf in leaves]
     openings = 0
@@ -260,3 +288,41 @@ def test_nothing_free_stays_so():
 def test_a_cave_of_nothing_but_rock_starts_from_less():
     for seed in range(20):
         assert (CaveMaps(height=8, width=8, rock=0.6).floorplan(0, seed).truth == FREE).mean() >= 0.15
+
+
+def solids(free):
+    """Return the number of solid parts of a mask that touch no border."""
+    parts, sizes = connected_parts(~free)
+    border = np.unique(np.concatenate([parts[0], parts[-1], parts[:, 0], parts[:, -1]]))
+    return len(sizes) - 1 - len(border[border > 0])
+
+
+def test_halls_have_the_content_and_the_rooms_that_are_set():
+    plain = {"side_rooms": 0.0, "height": 40, "width": 60}
+    for seed in range(5):
+        columns, racks, desks = (
+            HallsMaps(content=content, **plain).floorplan(0, seed).truth == FREE
+            for content in ("columns", "racks", "desks")
+        )
+        assert (~columns[1:-1, 1:-1]).sum() == solids(columns) >= 6
+        assert (~racks[1:-1, 1:-1]).sum() >= 8 * solids(racks) > 8
+        assert 4 <= (~desks[1:-1, 1:-1]).sum() / solids(desks) <= 21
+    rows = HallsMaps(side_rooms=1.0, content="columns", furniture=0.0, height=40, width=60, room_depth=(5, 5))
+    for seed in range(5):
+        free = rows.floorplan(0, seed).truth == FREE
+        in_rooms = free[1].astype(np.int8)
+        assert free[6].sum() == (np.diff(in_rooms) == 1).sum() >= 4  # a door for each room of the first row
+
+
+def test_homes_have_a_door_for_each_room_and_wide_ones_if_asked():
+    plain = {"furniture": 0.0, "loops": 0.0, "door": 1}
+    for seed in range(5):
+        narrow, wide = (HomesMaps(wide=share, **plain).floorplan(0, seed).truth == FREE for share in (0.0, 1.0))
+        assert wide.sum() > narrow.sum() + 5
+        closed = narrow.copy()
+        walls = np.zeros_like(closed)
+        walls[1:-1, 1:-1] = (closed[1:-1, :-2] & closed[1:-1, 2:] & ~closed[:-2, 1:-1] & ~closed[2:, 1:-1]) | (
+            closed[:-2, 1:-1] & closed[2:, 1:-1] & ~closed[1:-1, :-2] & ~closed[1:-1, 2:]
+        )
+        closed[walls] = False
+        assert len(connected_parts(closed)[1]) - 1 == (walls & narrow).sum() + 1  # a tree of rooms
