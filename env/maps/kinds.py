@@ -89,12 +89,17 @@ def kind_of(plan: Floorplan) -> Kind:
     return statistics_of(plan).kind
 
 
+def has_scale(plan: Floorplan) -> bool:
+    """Return whether a cell of a floor plan is known in metres."""
+    return plan.resolution is not None and plan.resolution < NO_SCALE
+
+
 def statistics_of(plan: Floorplan) -> PlanStatistics:
     """Measure the largest connected free part of a floor plan."""
     from scipy import ndimage
 
     free = np.pad(plan.main_part[extent(plan.main_part)], 1)
-    scale = plan.resolution if plan.resolution and plan.resolution < NO_SCALE else None
+    scale = plan.resolution if has_scale(plan) else None
     widths = local_widths(free)
     graph = room_graph(free, _passage(scale), widths)
     sizes, long = (

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +13,7 @@ from indoor_explorers.env import InputError
 from indoor_explorers.env.grid.arrays import Cell, Mask
 from indoor_explorers.env.grid.cells import FREE
 from indoor_explorers.env.maps.floorplan import Floorplan
+from indoor_explorers.env.maps.kinds import Kind, PlanStatistics, has_scale
 from indoor_explorers.env.maps.reduction import Source, reduced, settled
 from indoor_explorers.env.maps.room_graph import (
     CORRIDOR,
@@ -59,6 +62,25 @@ def layout(floorplan: Floorplan) -> str:
     parts = [counted(len(nodes_of(graph, kind)), kind) for kind in (ROOM, CORRIDOR)]
     line = ", ".join([*parts, counted(doors, DOOR), counted(loops(graph), "loop")])
     return f"{line}; at most {counted(doors_across(graph), 'passage')} from one to another"
+
+
+def statistics(floorplan: Floorplan, found: PlanStatistics) -> str:
+    """Return one line about a map: its kind, and the statistics that tell it."""
+    unit = "m" if has_scale(floorplan) else "cells"
+    return (
+        f"{found.kind}: clearance {found.clearance:.2f} {unit}, openness {found.openness:.2f}, "
+        f"{found.view:.0%} of the floor in view, {found.rooms:.1f} effective rooms, {found.corridors:.0%} corridors, "
+        f"{found.one_width:.0%} of one width, solidity {found.solidity:.2f}, walls {found.straight:.0%} straight"
+    )
+
+
+def kinds(maps: Iterable[tuple[str, Kind]]) -> Iterator[str]:
+    """Yield a line for each source of some maps, given by source and kind: how many it has of each kind."""
+    counts: dict[str, Counter[Kind]] = {}
+    for source, kind in maps:
+        counts.setdefault(source, Counter())[kind] += 1
+    for source, found in counts.items():
+        yield f"{source}: {', '.join(f'{count} {kind}' for kind, count in found.most_common())}"
 
 
 def cautions(floorplan: Floorplan, path: Path | None = None, resolution: float | None = None) -> list[str]:

@@ -6,6 +6,9 @@ from functools import lru_cache
 from pathlib import Path
 
 from indoor_explorers.env.errors import InputError, did_you_mean
+from indoor_explorers.env.maps.base import BaseMaps
+from indoor_explorers.env.maps.floorplan import Floorplan
+from indoor_explorers.env.maps.sources import FileMaps
 from indoor_explorers.env.scenarios.suites.suite import Part, Suite
 from indoor_explorers.env.scenarios.validation import read_toml, validated
 
@@ -45,6 +48,26 @@ def buildings() -> dict[str, str]:
         for home in suite.repositories
         for each in home.maps
     }
+
+
+@lru_cache(maxsize=1)
+def repositories() -> dict[str, str]:
+    """Return the name of the repository of each map of a file by its digest, such as ``amrl_maps``."""
+    return {each.digest: home.name for suite in all_suites() for home in suite.repositories for each in home.maps}
+
+
+def source_of(maps: BaseMaps, index: int, plan: Floorplan) -> str:
+    """Return where map ``index`` of some maps is from: a suite's repository, else its file's folder or the generator.
+
+    Args:
+        maps: the maps.
+        index: the number of the map among them; any where they are generated.
+        plan: the map.
+
+    """
+    if plan.digest in repositories():
+        return repositories()[plan.digest]
+    return Path(maps.paths[index]).resolve().parent.name if isinstance(maps, FileMaps) else plan.name
 
 
 def digests_of(name: str) -> list[str]:

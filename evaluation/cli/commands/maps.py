@@ -5,16 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from itertools import zip_longest
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, get_args
 
 from indoor_explorers.evaluation.cli.command import Command, make_console, print_line
 from indoor_explorers.evaluation.harness.experiment.request import (
+    DATA_FOLDERS,
     NO_SETTINGS,
     RESOLUTION,
     SEED,
     Option,
     Request,
     Settings,
+    SuitePart,
     read_count,
     read_names,
     read_share,
@@ -43,6 +45,12 @@ class MapsOptions(Request):
     """Seed of the scenario's map (default 0)."""
     settings: Settings = NO_SETTINGS
     """Scenario settings such as map.height=128."""
+    suite: Annotated[str | None, Option(metavar="NAME")] = None
+    """Tell the facts and kinds of all maps of a part of this suite instead, without pictures."""
+    part: Annotated[SuitePart, Option(choices=get_args(SuitePart))] = "test"
+    """Which part of the suite."""
+    data: DATA_FOLDERS = ()
+    """Where the suite's map files are: clones of their repositories, or folders that have the clones in them."""
     save: Annotated[Path | None, Option(metavar="FILE.png")] = None
     """Write the map as a picture of a pixel a cell, white where it is free, which --maps reads."""
     compare: Annotated[tuple[str, ...], Option(metavar="PRESET|FILE.toml,...", read=read_names)] = ()
@@ -55,17 +63,25 @@ class MapsOptions(Request):
 
 def show_maps(options: MapsOptions, typed: str) -> int:
     """Print a picture and the facts of map files, or of the maps of a scenario."""
-    from indoor_explorers.evaluation.cli.map_text import cautions, facts, layout, picture
+    from indoor_explorers.env.maps.kinds import statistics_of
+    from indoor_explorers.evaluation.cli.map_text import cautions, facts, kinds, layout, picture, statistics
 
     if options.compare:
         return _compare(options)
-    console, floorplans = make_console(), list(_floorplans(options))
-    for floorplan, path in zip_longest(floorplans, options.paths):
-        print_line(console, picture(floorplan, console.width))
+    console, given = make_console(), list(_floorplans(options))
+    floorplans, of_source = [floorplan for _, floorplan in given], []
+    for (source, floorplan), path in zip_longest(given, options.paths):
+        found = statistics_of(floorplan)
+        of_source.append((source, found.kind))
+        if not options.suite:
+            print_line(console, picture(floorplan, console.width))
         print_line(console, facts(floorplan))
         print_line(console, layout(floorplan))
+        print_line(console, statistics(floorplan, found))
         for line in cautions(floorplan, path, options.resolution):
             print_line(console, line, "yellow")
+    for line in kinds(of_source) if len(given) > 1 else ():
+        print_line(console, line, "bold")
     if options.save is not None:
         _save(floorplans, options.save)
         print_line(console, f"Map: {options.save}")
@@ -84,25 +100,44 @@ def _save(floorplans: Sequence[Floorplan], path: Path) -> None:
         write_picture(floorplans[0], partial)
 
 
-def _floorplans(options: MapsOptions) -> Iterator[Floorplan]:
-    from indoor_explorers.env.errors import InputError
+def _floorplans(options: MapsOptions) -> Iterator[tuple[str, Floorplan]]:
+    """Yield the maps that are asked for, each after its source."""
     from indoor_explorers.env.maps.files import read_map
+    from indoor_explorers.env.maps.sources import FileMaps
     from indoor_explorers.env.scenarios.loading import named_scenario
+    from indoor_explorers.env.scenarios.suites.catalogue import source_of, suite_of
+    from indoor_explorers.env.scenarios.suites.clones import maps_of
+    from indoor_explorers.env.scenarios.suites.suite import Part
     from indoor_explorers.env.simulation.spawns import draw_floorplan
+
+    _refuse_contradictions(options)
+    if options.scenario:
+        scenario = named_scenario(options.scenario).with_settings(options.settings)
+        indices, maps = range(scenario.map.count), scenario.map
+        plans = [(index, draw_floorplan(scenario, options.seed or 0, index)) for index in indices]
+    elif options.suite:
+        suite, part = suite_of(options.suite), Part(options.part)
+        maps = maps_of(suite, part, options.data)
+        seeds = suite.seeds(part) if maps.generated else range(1)
+        plans = [(index, maps.floorplan(index, seed)) for seed in seeds for index in range(maps.count)]
+    else:
+        maps = FileMaps(paths=tuple(map(str, options.paths)), resolution=options.resolution)
+        plans = [(index, read_map(path, options.resolution)) for index, path in enumerate(options.paths)]
+    return ((source_of(maps, index, plan), plan) for index, plan in plans)
+
+
+def _refuse_contradictions(options: MapsOptions) -> None:
+    from indoor_explorers.env.errors import InputError
 
     if options.samples is not None or options.figures is not None:
         raise InputError("expected --compare with --samples and --figures, got neither scenario; leave them out")
-    if bool(options.paths) == bool(options.scenario):
-        got = "both" if options.paths else "neither"
-        raise InputError(f"expected the paths of map files or a --scenario, got {got}; see maps --help")
+    if sum(map(bool, (options.paths, options.scenario, options.suite))) != 1:
+        got = "several" if options.paths or options.scenario or options.suite else "none"
+        raise InputError(f"expected the paths of map files, a --scenario or a --suite, got {got}; see maps --help")
     if not options.scenario and (options.settings or options.seed is not None):
-        raise InputError("expected --scenario with --seed and --set, got map files, which have none; leave them out")
-    if options.scenario and options.resolution is not None:
-        raise InputError("expected map files with --resolution, got --scenario; use --set map.resolution=... instead")
-    yield from (read_map(path, options.resolution) for path in options.paths)
-    if options.scenario:
-        scenario = named_scenario(options.scenario).with_settings(options.settings)
-        yield from (draw_floorplan(scenario, options.seed or 0, index) for index in range(scenario.map.count))
+        raise InputError("expected --scenario with --seed and --set, got maps that have none; leave them out")
+    if not options.paths and options.resolution is not None:
+        raise InputError("expected map files with --resolution, got other maps; use --set map.resolution=... instead")
 
 
 def _compare(options: MapsOptions) -> int:

@@ -10,11 +10,12 @@ from indoor_explorers.env import scenario
 from indoor_explorers.env.grid.cells import FREE
 from indoor_explorers.env.maps.files import read_map
 from indoor_explorers.env.maps.floorplan import Floorplan
+from indoor_explorers.env.maps.kinds import statistics_of
 from indoor_explorers.env.maps.sources import MazeMaps, OfficesMaps
 from indoor_explorers.env.search.connected_parts import connected_parts
 from indoor_explorers.env.simulation.spawns import draw_floorplan
 from indoor_explorers.evaluation.cli.commands.compare import file_notes
-from indoor_explorers.evaluation.cli.map_text import _coarse, facts, layout, picture
+from indoor_explorers.evaluation.cli.map_text import _coarse, facts, layout, picture, statistics
 from indoor_explorers.evaluation.cli.parser import main
 from indoor_explorers.evaluation.harness.experiment.planning import plan as plan_of
 from indoor_explorers.evaluation.harness.experiment.request import ComparisonRequest
@@ -133,12 +134,16 @@ def test_files_of_every_kind_are_shown(capsys, tmp_path):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        ([], "expected the paths of map files or a --scenario, got neither"),
-        (["a.png", "--scenario", "maze"], "got both"),
+        ([], "expected the paths of map files, a --scenario or a --suite, got none"),
+        (["a.png", "--scenario", "maze"], "got several"),
+        (["--suite", "rooms", "--scenario", "maze"], "got several"),
+        (["--suite", "romos"], "did you mean 'rooms'"),
+        (["--suite", "floors"], "suite 'floors' lacks map files below --data"),
+        (["--suite", "rooms", "--seed", "1"], "expected --scenario with --seed and --set"),
         (["a.png", "--seed", "3"], "expected --scenario with --seed and --set"),
         (["a.png", "--set", "map.height=5"], "expected --scenario with --seed and --set"),
         (["--scenario", "maez"], "did you mean 'maze'"),
-        (["--scenario", "maze", "--resolution", "2"], "expected map files with --resolution, got --scenario"),
+        (["--scenario", "maze", "--resolution", "2"], "expected map files with --resolution, got other maps"),
         (["--scenario", "maze", "--set", "map.corridr=2"], "did you mean 'map.corridor'"),
         (["--scenario", "maze", "--set", "map.height=9999"], "less than or equal to 2048"),
         (["nowhere.map"], "nowhere.map: expected a file"),
@@ -175,3 +180,30 @@ def test_the_rooms_and_doors_of_a_map_are_told():
     assert layout(plan(rooms, resolution=0.1)) == (  # where 1.5 m are 15 cells, all of it is one narrow place
         "1 room, 0 corridors, 0 doors, 0 loops; at most 0 passages from one to another"
     )
+
+
+def test_the_kind_and_the_statistics_of_a_map_are_told():
+    empty = Floorplan.from_free(np.ones((4, 6), np.bool_), "empty", 0.5)
+    assert statistics(empty, statistics_of(empty)) == (
+        "hall: clearance 0.67 m, openness 0.08, 100% of the floor in view, 1.0 effective rooms, 0% corridors, "
+        "100% of one width, solidity 1.00, walls 60% straight"
+    )
+    unscaled = Floorplan.from_free(np.ones((4, 6), np.bool_), "empty")
+    assert "clearance 1.33 cells" in statistics(unscaled, statistics_of(unscaled))
+
+
+def test_kinds_are_counted_by_source(capsys, tmp_path):
+    for folder, mazes in (("halls", 1), ("mazes", 2)):
+        (tmp_path / folder).mkdir()
+        np.save(tmp_path / folder / "hall.npy", np.zeros((30, 40), np.uint8))
+        for seed in range(mazes):
+            walls = MazeMaps(height=41, width=41).floorplan(0, seed).truth != FREE
+            np.save(tmp_path / folder / f"maze{seed}.npy", walls)
+    _, out, _ = run(capsys, "maps", *sorted((tmp_path / "halls").iterdir()), *sorted((tmp_path / "mazes").iterdir()))
+    assert out.splitlines()[-2:] == ["halls: 1 hall, 1 maze", "mazes: 2 maze, 1 hall"]
+
+
+def test_the_maps_of_a_suite_are_told_without_pictures(capsys):
+    status, out, _ = run(capsys, "maps", "--suite", "rooms", "--part", "validation")
+    lines = out.splitlines()
+    assert (status, lines[-1], len(lines)) == (0, "thesis: 100 hall", 3 * 100 + 1)
