@@ -13,6 +13,7 @@ from indoor_explorers.evaluation.exports.planner_arena import write_planner_aren
 from indoor_explorers.evaluation.exports.scenario_tables import scenario_tables
 from indoor_explorers.evaluation.exports.tidy import write_curves, write_episodes
 from indoor_explorers.evaluation.harness.results.differences import differences, write_differences
+from indoor_explorers.evaluation.harness.results.origin_ratios import ratios_by_origin, write_origin_ratios
 from indoor_explorers.evaluation.harness.results.ratios import Ratios, write_ratios
 from indoor_explorers.evaluation.harness.results.results import Results, write_csv, write_summary
 
@@ -32,6 +33,8 @@ def write_exports(results: Results, folder: Path, *, ratio_to: Sequence[str] | N
     write_curves(results, tables / "curves.csv")
     ratios = Ratios.of(results, ratio_to)
     write_ratios(ratios, tables / "ratios.csv")
+    if by_origin := ratios_by_origin(ratios):
+        write_origin_ratios(by_origin, tables / "ratios_by_origin.csv")
     write_differences(differences(results, ratios.to), tables / "differences.csv")
     texts = {folder / name: text for name, text in experiment_files(results).items()}
     shown = scenario_tables(results) + reported_tables(results)

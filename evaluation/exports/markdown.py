@@ -6,9 +6,11 @@ import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
+from indoor_explorers.evaluation.analysis.tables.origin_table import origin_tables
 from indoor_explorers.evaluation.analysis.tables.policy_names import footnotes, marked
 from indoor_explorers.evaluation.analysis.tables.ratio_table import bound_notes, ratio_tables
 from indoor_explorers.evaluation.drawing.table import Cell, Column, Row, Table
+from indoor_explorers.evaluation.harness.results.origin_ratios import ratios_by_origin
 from indoor_explorers.evaluation.harness.results.ratios import Ratios
 
 #: Characters with a meaning in Markdown, and in GitHub's tables and mathematics.
@@ -58,6 +60,11 @@ def markdown_ratios(ratios: Ratios) -> str:
             notes=(),
         )
         for table in tables
+    ]
+    origins = origin_tables(ratios_by_origin(ratios))
+    shown += [
+        replace(table, columns=[Column(escaped(marked(results, each.title))) for each in table.columns])
+        for table in origins
     ]
     return "\n".join(
         [*(_section(table, lambda cell: cell.line) for table in shown), *(f"{escaped(note)}\n" for note in notes)]

@@ -25,11 +25,13 @@ from indoor_explorers.evaluation.analysis.facts import shown
 from indoor_explorers.evaluation.analysis.failures import ending
 from indoor_explorers.evaluation.analysis.panels import sweep_sections
 from indoor_explorers.evaluation.analysis.shown_best import BOLD
+from indoor_explorers.evaluation.analysis.tables.origin_table import origin_tables
 from indoor_explorers.evaluation.analysis.tables.ratio_table import bound_notes, ratio_tables
 from indoor_explorers.evaluation.drawing.dot_plots import swatch
 from indoor_explorers.evaluation.drawing.formatting import counted, percent, seed_span
 from indoor_explorers.evaluation.drawing.palette import INKS, Styles, policy_styles
 from indoor_explorers.evaluation.harness.results.coverage_threshold import shared
+from indoor_explorers.evaluation.harness.results.origin_ratios import ratios_by_origin
 from indoor_explorers.evaluation.harness.results.ratios import Ratios
 from indoor_explorers.evaluation.harness.results.results import Results
 from indoor_explorers.evaluation.report.custom_panels import custom_panels
@@ -125,6 +127,7 @@ class _Page:
             "overview": overview(results, comparisons, styles),
             "against": against,
             "ratios": ratio_tables(ratios),
+            "origin_ratios": origin_tables(ratios_by_origin(ratios)),
             "ratio_notes": bound_notes(ratios.rows),
             "sweeps": sweep_sections(common, styles),
             "custom_panels": custom_panels(common, panels),

@@ -53,7 +53,7 @@ def ratio_tables(ratios: Ratios) -> list[Table]:
 
 def _table(ratios: Ratios, to: str, metric: str) -> Table:
     rows = [row for row in ratios.rows if (row.to, row.metric) == (to, metric)]
-    cells = {(row.policy, row.scenario): _cell(row, len(_scenarios(rows))) for row in rows}
+    cells = {(row.policy, row.scenario): ratio_cell(row, len(_scenarios(rows))) for row in rows}
     tasks = {row.scenario: counted(row.tasks, "task") for row in sorted(rows, key=lambda row: row.tasks)}
     columns = [Column(name, tasks[name]) for name in _pooled_last(rows)]
     policies = dict.fromkeys(name for name in ratios.results.policies for row in rows if row.policy == name)
@@ -66,7 +66,8 @@ def _table(ratios: Ratios, to: str, metric: str) -> Table:
     )
 
 
-def _cell(row: RatioRow, scenarios: int) -> Cell:
+def ratio_cell(row: RatioRow, scenarios: int) -> Cell:
+    """Return the cell of a ratio; one over all scenarios says over how many of them if it is not over all."""
     mean, low, high = of_tasks = row.ratio.of_tasks
     bound = row.censoring.bound
     shown = low is not None and high is not None and not low <= 1.0 <= high and bound != ("<" if mean > 1 else ">")
@@ -118,7 +119,7 @@ def _by_scenario(to: str, ratios: Ratios, rows: list[RatioRow]) -> Table:
 def _pair(row: RatioRow, scenarios: int) -> tuple[Cell, Cell]:
     """Return the mean of ratios with its interval, and the ratio of the means."""
     means = bounded(fixed(row.ratio.of_means.mean, DECIMALS), row.censoring.bound)
-    return _cell(row, scenarios), Cell(means)
+    return ratio_cell(row, scenarios), Cell(means)
 
 
 def _scenarios(rows: Sequence[RatioRow]) -> list[str]:

@@ -70,14 +70,19 @@ def file_notes(experiment: Experiment) -> list[str]:
 def print_ratios(results: Results, asked: Sequence[str] | None, console: PlainConsole) -> None:
     """Print steps as ratios to those of the policies asked for, and minus them; nothing where none are."""
     from indoor_explorers.evaluation.analysis.tables.difference_table import difference_lines
+    from indoor_explorers.evaluation.analysis.tables.origin_table import origin_tables
     from indoor_explorers.evaluation.analysis.tables.ratio_table import ratio_lines
+    from indoor_explorers.evaluation.drawing.table import terminal_table
     from indoor_explorers.evaluation.harness.results.differences import differences
+    from indoor_explorers.evaluation.harness.results.origin_ratios import ratios_by_origin
     from indoor_explorers.evaluation.harness.results.ratios import Ratios
 
     if asked:
         ratios = Ratios.of(results, asked)
         for part in (*ratio_lines(ratios), *difference_lines(results, differences(results, ratios.to))):
             console.print_table(part)
+        for table in origin_tables(ratios_by_origin(ratios)):
+            console.print_table(terminal_table(table))
 
 
 def print_reported(results: Results, console: PlainConsole) -> None:

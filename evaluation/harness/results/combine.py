@@ -48,6 +48,7 @@ def _joined(one: Results, other: Results) -> Results:
         margin=one.margin,
         plugins=one.plugins | other.plugins,
         reported=joined(one.reported + other.reported),
+        origins={**other.origins, **one.origins},
     )
 
 

@@ -30,6 +30,7 @@ from indoor_explorers.evaluation.harness.results.database import (
     damaged,
     damaged_episodes,
 )
+from indoor_explorers.evaluation.harness.results.origins import Origin
 from indoor_explorers.evaluation.harness.results.rows import TABLES, Row, checksum, floorplan_of
 from indoor_explorers.evaluation.harness.results.stored_record import StoredRecord, StoredSteps
 
@@ -126,6 +127,12 @@ class StoreReader:
             return {}
         rows = self._rows("SELECT policy, scenario, map_index, seed, count(*) FROM attempt GROUP BY 1, 2, 3, 4")
         return {(policy, Task(scenario, index, seed)): count for policy, scenario, index, seed, count in rows}
+
+    def origins(self) -> dict[str, Origin]:
+        """Return source and kind of the maps by their digests; of none in stores of older versions."""
+        rows = self._rows("SELECT * FROM origin") if self._has("origin") else []
+        known = self._checksums() if rows else set()
+        return {row[0]: Origin(*row[1:]) for row in rows if checksum("origin", row) in known}
 
     def notes(self) -> tuple[str, ...]:
         """Return what readers of the results are to know about damaged episodes: a line, or nothing."""

@@ -26,6 +26,7 @@ from indoor_explorers.evaluation.harness.results.coverage_threshold import Cover
 from indoor_explorers.evaluation.harness.results.fingerprints import refuse_other_fingerprints
 from indoor_explorers.evaluation.harness.results.map_labels import map_labels
 from indoor_explorers.evaluation.harness.results.notes import ResultNotes
+from indoor_explorers.evaluation.harness.results.origins import Origin
 from indoor_explorers.evaluation.harness.results.reading import StoreReader
 from indoor_explorers.evaluation.harness.results.scenario_titles import scenario_title
 from indoor_explorers.evaluation.statistics import Estimate, interquartile_mean, success_share
@@ -58,11 +59,12 @@ class Results(ResultNotes):
     """Metrics of plug-ins by key, see :func:`~.custom_metrics.with_metrics`."""
     margin: float = MARGIN
     """By which share a mean time may exceed another for the two to count as equally good; 0 for no such statement."""
-
     plugins: frozenset[str] = frozenset()
     """What may be imported of the models and policies from outside this package that the results name."""
     reported: tuple[ReportedPolicy, ...] = ()
     """Policies that others flew, whose rows were imported; they have no records and take part in no test."""
+    origins: Mapping[str, Origin] = field(default_factory=dict)
+    """Source and kind of maps by their digests, of those that have them stored."""
 
     @property
     def measures(self) -> Mapping[str, Measure]:
@@ -78,16 +80,15 @@ class Results(ResultNotes):
                 return cls({}, {}, [], [], reported=reported)
             raise InputError(f"{folder}: expected a folder with a results.db in it, got none; fly compare --out first")
         with StoreReader(path) as store:
-            text = store.experiment()
-            experiments = (text,) if text else ()
-            records, scenarios = store.records(), store.scenarios()
+            experiments = (text,) if (text := store.experiment()) else ()
+            policies, records, scenarios = store.policies(), store.records(), store.scenarios()
             refuse_other_fingerprints(path, scenarios, records)
-            policies = store.policies()
             return cls(
                 *(policies, scenarios, store.runs(), records, experiments, store.notes(), store.retries()),
                 margin=declared_margin(text),
                 plugins=frozenset(plugins),
                 reported=joined(reported, policies),
+                origins=store.origins(),
             )
 
     def scenario(self, name: str) -> Scenario:
@@ -203,8 +204,7 @@ class Results(ResultNotes):
 
     def maps(self, scenario: str, policy: str) -> NDArray[np.str_]:
         """Return (E,) the label of each episode's map; maps that count as one have one label (:func:`map_labels`)."""
-        labels = self._labels(scenario)
-        return np.array([labels[record.floorplan.digest] for record in self.groups[scenario, policy]])
+        return np.array([self._labels(scenario)[record.floorplan.digest] for record in self.groups[scenario, policy]])
 
     @cached_property
     def _labels(self) -> Callable[[str], dict[str, str]]:

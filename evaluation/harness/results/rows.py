@@ -41,7 +41,7 @@ CREATE TABLE episode (
 ) STRICT;
 """
 #: All tables that a store may have, each after those that refer to it.
-TABLES = ("damaged", "episode", "attempt", "floorplan", "scenario", "policy", "run", "checksum", "meta")
+TABLES = ("damaged", "episode", "attempt", "floorplan", "origin", "scenario", "policy", "run", "checksum", "meta")
 #: The digests of all rows.
 CHECKSUMS = "CREATE TABLE checksum (digest BLOB PRIMARY KEY) STRICT, WITHOUT ROWID"
 #: Attempts at an episode that do not count, each with how it ended; added to older stores too.
@@ -50,6 +50,10 @@ CREATE TABLE IF NOT EXISTS attempt (
     policy TEXT NOT NULL, scenario TEXT NOT NULL, map_index INTEGER NOT NULL, seed INTEGER NOT NULL,
     outcome TEXT NOT NULL, reason TEXT NOT NULL, steps INTEGER NOT NULL
 ) STRICT
+"""
+#: Source and kind of each map by its digest; added to older stores when they are flown on.
+ORIGINS = """
+CREATE TABLE IF NOT EXISTS origin (floorplan TEXT PRIMARY KEY, source TEXT NOT NULL, kind TEXT NOT NULL) STRICT
 """
 
 

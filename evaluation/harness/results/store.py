@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from indoor_explorers.env import InputError
+from indoor_explorers.env import InputError, Scenario
 from indoor_explorers.env.errors import one_line
 from indoor_explorers.evaluation.harness.episodes.record import FlownEpisode, Outcome, Record, is_of_machine
 from indoor_explorers.evaluation.harness.experiment.experiment import Experiment, Task
@@ -26,11 +26,13 @@ from indoor_explorers.evaluation.harness.results.database import (
     transaction,
     write_ahead,
 )
+from indoor_explorers.evaluation.harness.results.origins import Origin
 from indoor_explorers.evaluation.harness.results.policy_version import version_difference
 from indoor_explorers.evaluation.harness.results.reading import FORMAT, SETTINGS
 from indoor_explorers.evaluation.harness.results.rows import (
     ATTEMPTS,
     CHECKSUMS,
+    ORIGINS,
     SCHEMA,
     TABLES,
     Row,
@@ -61,6 +63,10 @@ class Store(WrittenRows):
         self._fresh = fresh
         self._digests: dict[Task, str] = {}
         """The digests of the maps that were added."""
+        self._scenarios: dict[str, Scenario] = {}
+        """The scenarios of the run by name."""
+        self._known: set[str] = set()
+        """The digests of the maps whose origins are stored."""
         existed = path.exists()
         if existed and not path.is_file():
             raise InputError(f"{path}: expected a results store, got no regular file; choose another folder")
@@ -78,6 +84,7 @@ class Store(WrittenRows):
                 if not fresh:
                     self._check()
                     self._db.execute(ATTEMPTS)
+                    self._db.execute(ORIGINS)
         except SQL_ERRORS as error:
             if getattr(error, "sqlite_errorcode", 0) & 0xFF in (sqlite3.SQLITE_FULL, sqlite3.SQLITE_IOERR):
                 raise not_written(path, error) from error
@@ -93,6 +100,7 @@ class Store(WrittenRows):
                 *SCHEMA.split(";"),
                 CHECKSUMS,
                 ATTEMPTS,
+                ORIGINS,
                 f"INSERT INTO meta VALUES ('format', '{FORMAT}')",
             ):
                 self._db.execute(statement)
@@ -168,8 +176,10 @@ class Store(WrittenRows):
             for table in SETTINGS:
                 self._sign(table)
         self._set_aside_damaged()
-        for table in ("floorplan", "episode"):
+        for table in ("floorplan", "origin", "episode"):
             self._note(table)
+        self._scenarios = {scenario.name: scenario for scenario in experiment.scenarios}
+        self._known = set(self.origins())
         assert run is not None
         return run
 
@@ -240,13 +250,24 @@ class Store(WrittenRows):
             RunError: the disk is full; episodes added before are kept.
 
         """
+        origin = self._new_origin(record) if isinstance(record, Record) else None
         with transaction(self._db, self.path):
+            if origin is not None:
+                self._insert("origin", origin)
             if isinstance(record, Record):
                 self._insert("floorplan", floorplan_row(record.floorplan))
                 self._digests[record.task] = record.floorplan.digest
             if replace_failed:
                 self._add_attempt(record)
             self._insert("episode", episode_row(record, run, self._digests[record.task]))
+
+    def _new_origin(self, record: Record) -> Row | None:
+        """Return the row of the origin of an episode's map; None where it is stored."""
+        digest, task = record.floorplan.digest, record.task
+        if digest in self._known or task.scenario not in self._scenarios:
+            return None
+        self._known.add(digest)
+        return (digest, *Origin.of(self._scenarios[task.scenario], task.map_index, record.floorplan))
 
     def _add_attempt(self, record: FlownEpisode) -> None:
         """Add another attempt at a failed episode: the first one counts unless the machine failed."""
