@@ -12,7 +12,6 @@ from enum import StrEnum
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Mask
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED
@@ -25,7 +24,7 @@ from indoor_explorers.env.sensing.lidar import lidar_model, new_scan, visible_ce
 #: The radius in cells of the disc of :attr:`PlanStatistics.openness`, and the farthest cell that counts as in view.
 DISC, FARTHEST = 10, 256
 #: Free cells, evenly spaced in the order of rows, that views are taken from.
-VIEWS = 100
+VIEWS = 50
 #: The width in metres from which on a passage is none of a door; three cells of half a metre are less.
 WIDE = 2.0
 #: Metres a cell from which on there is no scale: a pixel of a plain picture counts as one metre.
@@ -36,7 +35,7 @@ ONE_WIDTH = 0.85
 SEVERAL_ROOMS = 2.75
 #: In view of a free cell of a hall is this share of it, and it fills the first share of its convex hull; or, with
 #: racks that hide the rest, the second.
-IN_VIEW, COMPACT, VERY_COMPACT = 0.35, 0.68, 0.77
+IN_VIEW, COMPACT, VERY_COMPACT = 0.3, 0.68, 0.77
 
 
 class Kind(StrEnum):
@@ -145,6 +144,7 @@ def _solidity(free: Mask) -> float:
 
     pieces, _ = ndimage.label(~free, np.ones((3, 3)))
     filled = free | (np.bincount(pieces.ravel()) <= FURNITURE)[pieces]
-    cells: NDArray[np.intp] = np.argwhere(filled)
-    corners = np.concatenate([cells + corner for corner in ((0, 0), (0, 1), (1, 0), (1, 1))])
-    return float(len(cells) / spatial.ConvexHull(corners).volume)  # in two dimensions the volume is the area
+    rows = np.flatnonzero(filled.any(axis=1))
+    first, last = filled[rows].argmax(axis=1), filled.shape[1] - filled[rows, ::-1].argmax(axis=1)
+    corners = np.concatenate([np.stack([rows + low, col], axis=1) for low in (0, 1) for col in (first, last)])
+    return float(filled.sum() / spatial.ConvexHull(corners).volume)  # in two dimensions the volume is the area

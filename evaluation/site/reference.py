@@ -21,6 +21,7 @@ from indoor_explorers.evaluation.exports.episodes.csv_tables import COLUMNS as S
 from indoor_explorers.evaluation.harness.episodes.metrics import MEASURES
 from indoor_explorers.evaluation.harness.results import rows
 from indoor_explorers.evaluation.harness.results.differences import COLUMNS as DIFFERENCE_COLUMNS
+from indoor_explorers.evaluation.harness.results.origin_ratios import ORIGIN_COLUMNS
 from indoor_explorers.evaluation.harness.results.ratios import COLUMNS as RATIO_COLUMNS
 from indoor_explorers.evaluation.harness.results.results import SUMMARY_COLUMNS
 
@@ -31,7 +32,7 @@ STORE_NOTES = """
     `facts` and `metrics` are JSON. Blobs are arrays, compressed with zlib: of each step, the covered cells of the team
     and of each UAV, the cells of the UAVs, their actions, the seconds of their decisions and the bytes sent. Map, seed
     and actions determine an episode; `indoor_explorers.evaluation.Results.load(folder)` reads all of it. Every row has
-    a checksum.
+    a checksum. Newer stores have a table `origin` with source and kind of each map by its digest.
     """
 #: The files of ``export``.
 EXPORT_NOTES = """
@@ -80,6 +81,10 @@ def files_page() -> str:
     listed = {
         "summary.csv": ("a row for each policy, scenario and metric", SUMMARY_COLUMNS),
         "tables/ratios.csv": ("steps as ratios to a baseline's, paired", RATIO_COLUMNS),
+        "tables/ratios_by_origin.csv": (
+            "where maps are of several kinds or sources, the same on the maps of each",
+            ORIGIN_COLUMNS,
+        ),
         "tables/differences.csv": ("steps minus a baseline's, paired", DIFFERENCE_COLUMNS),
         "tables/reported.csv": (
             "where rows of others were imported, a row for each reported and flown policy and metric",

@@ -13,6 +13,9 @@ from indoor_explorers.evaluation.harness.results.origins import maps_by_origin
 from indoor_explorers.evaluation.harness.results.ratios import COLUMNS, Ratios
 from indoor_explorers.evaluation.harness.results.results import write_csv
 
+#: The columns of ratios_by_origin.csv.
+ORIGIN_COLUMNS = ("maps_of", "maps", *COLUMNS)
+
 
 class OriginRatios(NamedTuple):
     """Ratios on the maps of one kind or source."""
@@ -40,4 +43,4 @@ def ratios_by_origin(ratios: Ratios) -> list[OriginRatios]:
 def write_origin_ratios(parts: list[OriginRatios], path: Path) -> None:
     """Write ratios_by_origin.csv: the rows of ratios.csv for each kind and source; equal results give equal bytes."""
     rows = [{"maps_of": part.title, "maps": part.maps, **row.cells()} for part in parts for row in part.ratios.rows]
-    write_csv(pd.DataFrame(rows, columns=["maps_of", "maps", *COLUMNS]), path, "%.6g")
+    write_csv(pd.DataFrame(rows, columns=list(ORIGIN_COLUMNS)), path, "%.6g")

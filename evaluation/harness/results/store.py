@@ -112,12 +112,15 @@ class Store(WrittenRows):
         self._db.executemany("INSERT OR IGNORE INTO checksum VALUES (?)", digests)
 
     def _set_aside_damaged(self) -> None:
-        """Move damaged episodes to a table of their own, and drop damaged maps, so that both are made again."""
+        """Move damaged episodes to a table of their own, and drop damaged maps and origins, so that all are made again."""
         with transaction(self._db, self.path):
             rowids, sound = [each.rowid for each in self._damages()], self._maps()
             plans = [row for row in self._rows("SELECT digest FROM floorplan") if row[0] not in sound]
             self._move_aside(rowids)
             self._db.executemany("DELETE FROM floorplan WHERE digest = ?", plans)
+            known = self.origins()
+            lost = [row for row in self._rows("SELECT floorplan FROM origin") if row[0] not in known]
+            self._db.executemany("DELETE FROM origin WHERE floorplan = ?", lost)
 
     # -- the experiment -------------------------------------------------------------------------------
 

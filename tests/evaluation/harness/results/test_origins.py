@@ -110,11 +110,14 @@ def test_an_older_store_that_is_flown_on_learns_the_origins(old, files):
     assert len(Results.load(old).origins) == 3
 
 
-def test_a_damaged_origin_is_not_believed(old, flown):
+def test_a_damaged_origin_is_not_believed_and_made_again(old, flown, files):
     shutil.copy(flown / "results.db", old / "results.db")
     with closing(sqlite3.connect(old / "results.db")) as db, db:
         db.execute("UPDATE origin SET kind = 'home' WHERE kind = 'maze'")
     assert sorted(Results.load(old).origins.values()) == [HALL, ("mixed", "hall")]
+    request = asked(("random", "frontier-nearest"), maps=files)
+    fly_missing(plan(request), old, request)
+    assert Results.load(old).origins == Results.load(flown).origins
 
 
 def test_combined_results_have_the_origins_of_both(files, tmp_path, flown):
