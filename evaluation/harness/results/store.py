@@ -112,7 +112,7 @@ class Store(WrittenRows):
         self._db.executemany("INSERT OR IGNORE INTO checksum VALUES (?)", digests)
 
     def _set_aside_damaged(self) -> None:
-        """Move damaged episodes to a table of their own, and drop damaged maps and origins, so that all are made again."""
+        """Move damaged episodes to a table of their own; drop damaged maps and origins, which are made again."""
         with transaction(self._db, self.path):
             rowids, sound = [each.rowid for each in self._damages()], self._maps()
             plans = [row for row in self._rows("SELECT digest FROM floorplan") if row[0] not in sound]
