@@ -61,13 +61,17 @@ class GoalPilot(Pilot):
     def __init__(self, briefing: Briefing) -> None:
         self.briefing = briefing
         self.rng = briefing.rng
-        self.navigator = Navigator(briefing, straight=self.straight)
+        self.navigator = self.new_navigator(briefing)
         self.paths = self.navigator.paths
         self.plans = 0
         """Number of goals chosen so far."""
         self._grew_since_choice = False
         self._next_choice = inf
         self._sharing = MapSharing(briefing, self.paths) if MapSharing.is_needed(briefing) else None
+
+    def new_navigator(self, briefing: Briefing) -> Navigator:
+        """Return the navigator of an episode."""
+        return Navigator(briefing, straight=self.straight)
 
     @abstractmethod
     def choose(self, view: View) -> Cell | None:
