@@ -46,6 +46,8 @@ class FrontierHeading(FrontierJoint):
     """Weight of unknown cells that each of these steps has to show."""
     reach: float = bounded(2.0, least=0)
     """Length of the part of a way that is chosen by what it shows, in lidar ranges."""
+    depth: float = bounded(2.0, least=0)
+    """Decay."""
     width: int = bounded(16, least=1)
     """Ways kept at each step of the search."""
 
@@ -75,7 +77,7 @@ class HeadingPilot(CandidatePilot):
         """Return the navigator of an episode."""
         policy = self._policy
         ways = WayParameters(policy.price, policy.slack, max(1, round(policy.reach * self._range)), policy.width)
-        return PoseNavigator(briefing, self._camera, self.values, ways)
+        return PoseNavigator(briefing, self._camera, self.on_the_way, ways)
 
     def act(self, view: View) -> int:
         """Follow the way to the goal, choose another goal if due, and tell both headings."""
@@ -89,6 +91,10 @@ class HeadingPilot(CandidatePilot):
         if self._valued is None or self._valued[0] is not view.belief:
             self._valued = view.belief, unknown_weights(view.belief, self._weight)
         return self._valued[1]
+
+    def on_the_way(self, view: View) -> NDArray[np.float64]:
+        """Return the weights of unknown cells that a way may show, (H*W,)."""
+        return unknown_weights(view.belief, UnknownWeight(0.0, self._policy.depth * self._range))
 
     def choose(self, view: View) -> Cell | None:
         """Return the cell of the pose that this UAV gets in its turn."""
