@@ -7,7 +7,7 @@ value of its best sequence, minus the cost of the clusters that remain
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -90,19 +90,12 @@ class SequenceChooser:
     def choose(self, view: View) -> Cell | None:
         """Return the candidate that this UAV gets; None if it can reach none."""
         members = self.members(view)
+        me = next(k for k, member in enumerate(members) if member.agent == self._pilot.briefing.agent)
         problem = self.decision_problem(view, members)
-        candidate = self.candidate(view, problem, [member.agent for member in members])
-        return None if candidate is None else divmod(int(problem.cells[candidate]), self._pilot.paths.width)
-
-    def candidate(self, view: View, problem: DecisionProblem, agents: Sequence[int]) -> int | None:
-        """Return the index of the candidate that this UAV gets; None if it can reach none.
-
-        ``agents`` are the numbers of the N UAVs of the problem.
-        """
-        me = agents.index(self._pilot.briefing.agent)
         if not (problem.away[me] < UNREACHABLE).any():
             return None
-        return self.first(problem, me, self.factors(view, problem, me))
+        candidate = self.first(problem, me, self.factors(view, problem, me))
+        return divmod(int(problem.cells[candidate]), self._pilot.paths.width)
 
     def members(self, view: View) -> list[GroupMember]:
         """Return this UAV and its linked teammates, by number."""

@@ -75,14 +75,20 @@ def _visible_unknown(
     return lists, sizes, value
 
 
-@kernel(entry=False)
-def shared_views(lists: np.ndarray, sizes: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the values of K views, (K,), and the share of each view that each other one has, (K, K).
+@kernel()
+def candidate_views(
+    belief: np.ndarray, cells: np.ndarray, weight: UnknownWeight, lidar: LidarModel
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the view gains of (K,) flat cells, (K,), and the share of each view that each other cell has, (K, K).
 
-    View k holds the flat cells ``lists[k, :sizes[k]]``; ``value`` (H*W,) are the weights of all cells.
+    A view gain is the sum of the weights of the unknown cells in view; unknown cells are transparent.
     """
-    count, mark = lists.shape[0], np.full(value.shape[0], -1, np.int32)
+    depth, mark = np.empty(belief.shape, np.int32), np.empty(belief.size, np.int32)
+    depths(belief, mark, depth)
+    lists, sizes, value = _visible_unknown(belief, cells, depth, weight, lidar, new_scan(lidar))
+    count = cells.shape[0]
     shared = np.zeros((count, count))
+    mark[:] = -1
     for k in range(count):
         for place in range(sizes[k]):
             mark[lists[k, place]] = k
@@ -97,20 +103,6 @@ def shared_views(lists: np.ndarray, sizes: np.ndarray, value: np.ndarray) -> tup
         for j in range(count):  # sums in another order may round to more than 1
             shared[k, j] = min(shared[k, j] / max(gains[k], 1e-300), 1.0)
     return gains, shared
-
-
-@kernel()
-def candidate_views(
-    belief: np.ndarray, cells: np.ndarray, weight: UnknownWeight, lidar: LidarModel
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return the view gains of (K,) flat cells, (K,), and the share of each view that each other cell has, (K, K).
-
-    A view gain is the sum of the weights of the unknown cells in view; unknown cells are transparent.
-    """
-    depth, queue = np.empty(belief.shape, np.int32), np.empty(belief.size, np.int32)
-    depths(belief, queue, depth)
-    lists, sizes, value = _visible_unknown(belief, cells, depth, weight, lidar, new_scan(lidar))
-    return shared_views(lists, sizes, value)
 
 
 @kernel()

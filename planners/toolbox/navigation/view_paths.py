@@ -1,7 +1,7 @@
 """Paths that see much on the way, for UAVs with a limited field of view.
 
 FUEL plans the yaw along a path by a graph search (B. Zhou et al., RA-L 2021, doi:10.1109/LRA.2021.3051563). Here, where
-moves decide the heading, a beam search over moves and turns looks for the way to a pose that shows the most unknown
+moves decide the heading, a beam search over moves and turns looks for the way to a goal that shows the most unknown
 cells, each counted once. A way may be some steps longer than a shortest one where these steps pay.
 """
 
@@ -14,13 +14,15 @@ import numpy as np
 from indoor_explorers.env.grid.arrays import Belief, Cell
 from indoor_explorers.env.grid.cells import FREE, MOVES, UNREACHABLE
 from indoor_explorers.env.grid.compiled import kernel, leaf
+from indoor_explorers.env.search.bfs import distances_from
 from indoor_explorers.env.sensing.field_of_view import is_in_view
 from indoor_explorers.env.sensing.lidar import Scan, new_scan, visible_cells
-from indoor_explorers.planners.toolbox.information.pose_views import Camera
-from indoor_explorers.planners.toolbox.navigation.poses import ANY, steps_left
+from indoor_explorers.planners.toolbox.information.camera import Camera
 
 #: Choices of a step: the four moves, and a turn.
 CHOICES, TURNING = 5, 4
+#: Ways to one cell and heading whose scores differ by less count as alike.
+LIKE = 1e-9
 
 
 class WayParameters(NamedTuple):
@@ -55,16 +57,7 @@ class _Views(NamedTuple):
     cells: np.ndarray
     """(P, disc) flat cells."""
     sizes: np.ndarray
-    """(P + 1,) how many; the last one is the number of poses."""
-
-
-@leaf(entry=False)
-def _steps_left(left: np.ndarray, goal: tuple[int, int], cell: int, heading: int) -> int:
-    """Return the steps from a pose to the goal's."""
-    steps = left[cell // left.shape[1], cell % left.shape[1]]
-    if cell == goal[0]:
-        steps = min(steps, np.int32(0 if goal[1] == ANY else (goal[1] - heading) % 4))
-    return int(steps)
+    """(P + 1,) how many cells each has; the last one is the number of poses."""
 
 
 @leaf(entry=False)
@@ -118,61 +111,88 @@ def _by_longer_axis(shape: tuple[int, int], cell: int, goal: int) -> np.ndarray:
     return np.argsort(longer, kind="mergesort")
 
 
+class _Task(NamedTuple):
+    """What is searched."""
+
+    belief: np.ndarray
+    value: np.ndarray
+    camera: Camera
+    goal: int
+    left: np.ndarray
+    """(H*W,) steps to the goal."""
+    parameters: WayParameters
+
+
+class _Memory(NamedTuple):
+    """Working arrays of a search."""
+
+    ways: _Ways
+    views: _Views
+    stamps: np.ndarray
+    """(H*W,) number + 1 of the last way that shows a cell."""
+    scan: Scan
+
+
 @kernel(entry=False)
-def _search(
-    belief: np.ndarray,
-    value: np.ndarray,
-    camera: Camera,
-    start: tuple[int, int],
-    goal: tuple[int, int],
-    left: np.ndarray,
-    parameters: WayParameters,
-) -> np.ndarray:
-    """Return the flat cells of the best way's planned part, (T + 1,), the heading at its end last."""
-    price, slack, horizon, width = parameters
-    most = 1 + horizon * width * CHOICES
+def _new_memory(task: _Task) -> _Memory:
+    size, disc = task.belief.size, task.camera.lidar.disc
+    most = 1 + task.parameters.horizon * task.parameters.width * CHOICES
     ways = _Ways(np.empty(most, np.int64), np.empty(most, np.int64), np.full(most, -1), np.zeros(most))
+    views = _Views(np.full((size, 4), -1, np.int32), np.empty((most, disc), np.int32), np.zeros(most + 1, np.int64))
+    return _Memory(ways, views, np.zeros(size, np.int64), new_scan(task.camera.lidar))
+
+
+@kernel(entry=False)
+def _extend(task: _Task, memory: _Memory, way: int, longest: int, count: int) -> int:
+    """Add the ways that continue one and have at most ``longest`` steps left; return the new number of ways."""
+    ways, views, stamps, scan = memory
+    here = ways.cell[way]
+    _mark(ways, views, way, stamps)
+    for choice in _by_longer_axis(task.belief.shape, here, task.goal):
+        cell, heading = _after(task.belief, here, ways.heading[way], choice)
+        if cell < 0 or task.left[cell] > longest:
+            continue
+        view, gain = _view(task.belief, task.value, task.camera, scan, views, cell, heading), 0.0
+        for place in range(views.sizes[view]):
+            if stamps[views.cells[view, place]] != way + 1:
+                gain += task.value[views.cells[view, place]]
+        ways.cell[count], ways.heading[count], ways.parent[count] = cell, heading, way
+        ways.score[count] = ways.score[way] + gain - task.parameters.price * (1 + task.left[cell] - task.left[here])
+        count += 1
+    return count
+
+
+@kernel(entry=False)
+def _kept(task: _Task, ways: _Ways, first: int, count: int) -> np.ndarray:
+    """Return the best of the ways from ``first`` on that have not arrived, those with like ends once."""
+    layer, kept = np.empty(task.parameters.width, np.int64), 0
+    for place in np.argsort(-ways.score[first:count], kind="mergesort"):
+        way = first + place
+        fresh = task.left[ways.cell[way]] > 0 and kept < layer.shape[0]
+        for other in layer[:kept]:
+            same = ways.cell[other] == ways.cell[way] and ways.heading[other] == ways.heading[way]
+            fresh &= not (same and abs(ways.score[other] - ways.score[way]) < LIKE)
+        if fresh:
+            layer[kept] = way
+            kept += 1
+    return layer[:kept]
+
+
+@kernel(entry=False)
+def _search(task: _Task, start: tuple[int, int]) -> np.ndarray:
+    """Return the flat cells of the best way's planned part, (T + 1,), and the heading at its end."""
+    memory, horizon = _new_memory(task), task.parameters.horizon
+    ways = memory.ways
     ways.cell[0], ways.heading[0] = start
-    views = _Views(
-        np.full((belief.size, 4), -1, np.int32),
-        np.empty((most, camera.lidar.disc), np.int32),
-        np.zeros(most + 1, np.int64),
-    )
-    stamps, scan = np.zeros(belief.size, np.int64), new_scan(camera.lidar)
-    shortest = _steps_left(left, goal, start[0], start[1])
-    best, best_score, layer, count = 0, -np.inf, np.zeros(1, np.int64), 1
+    best, most, layer, count = 0, -np.inf, np.zeros(1, np.int64), 1
     for step in range(1, horizon + 1):
         first = count
         for way in layer:
-            _mark(ways, views, way, stamps)
-            for choice in _by_longer_axis(belief.shape, ways.cell[way], goal[0]):
-                cell, heading = _after(belief, ways.cell[way], ways.heading[way], choice)
-                if cell < 0:
-                    continue
-                extra = step + _steps_left(left, goal, cell, heading) - shortest
-                if extra > slack:
-                    continue
-                view, gain = _view(belief, value, camera, scan, views, cell, heading), 0.0
-                for place in range(views.sizes[view]):
-                    if stamps[views.cells[view, place]] != way + 1:
-                        gain += value[views.cells[view, place]]
-                spent = step - 1 + _steps_left(left, goal, ways.cell[way], ways.heading[way]) - shortest
-                ways.cell[count], ways.heading[count], ways.parent[count] = cell, heading, way
-                ways.score[count] = ways.score[way] + gain - price * (extra - spent)
-                count += 1
-        layer, kept = np.empty(width, np.int64), 0
-        for place in np.argsort(-ways.score[first:count], kind="mergesort"):
-            way, fresh = first + place, True
-            for other in layer[:kept]:
-                same = ways.cell[other] == ways.cell[way] and ways.heading[other] == ways.heading[way]
-                fresh &= not (same and abs(ways.score[other] - ways.score[way]) < 1e-9)
-            arrived = _steps_left(left, goal, ways.cell[way], ways.heading[way]) == 0
-            if (arrived or step == horizon) and ways.score[way] > best_score:
-                best, best_score = way, ways.score[way]
-            if fresh and not arrived and kept < width:
-                layer[kept] = way
-                kept += 1
-        layer = layer[:kept]
+            count = _extend(task, memory, way, task.left[start[0]] + task.parameters.slack - step, count)
+        for way in range(first, count):
+            if (step == horizon or task.left[ways.cell[way]] == 0) and ways.score[way] > most:
+                best, most = way, ways.score[way]
+        layer = _kept(task, ways, first, count)
     return _traced(ways, best)
 
 
@@ -196,22 +216,23 @@ def _way(
     value: np.ndarray,
     camera: Camera,
     start: tuple[int, int],
-    goal: tuple[int, int],
+    goal: int,
     parameters: WayParameters,
 ) -> np.ndarray:
-    left = steps_left(belief, goal[0], goal[1])
-    if _steps_left(left, goal, start[0], start[1]) >= UNREACHABLE:
+    field = np.empty(belief.shape, np.int32)
+    distances_from(belief, goal // belief.shape[1], goal % belief.shape[1], np.empty(belief.size, np.int32), field)
+    left = field.reshape(belief.size)
+    if left[start[0]] >= UNREACHABLE:
         return np.empty(0, np.int64)
-    planned = _search(belief, value, camera, start, goal, left, parameters)
-    cell, heading = planned[-2], planned[-1]
-    rest = _steps_left(left, goal, cell, heading)
-    out = np.empty(planned.shape[0] - 1 + rest, np.int64)
-    out[: planned.shape[0] - 1] = planned[:-1]
-    for place in range(planned.shape[0] - 1, out.shape[0]):
-        for choice in _by_longer_axis(belief.shape, cell, goal[0]):
-            following, faced = _after(belief, cell, heading, choice)
-            if following >= 0 and _steps_left(left, goal, following, faced) == out.shape[0] - 1 - place:
-                cell, heading = following, faced
+    planned = _search(_Task(belief, value, camera, goal, left, parameters), start)
+    cell, planned = planned[-2], planned[:-1]
+    out = np.empty(planned.shape[0] + left[cell], np.int64)
+    out[: planned.shape[0]] = planned
+    for place in range(planned.shape[0], out.shape[0]):
+        for choice in _by_longer_axis(belief.shape, cell, goal):
+            following = _after(belief, cell, 0, choice)[0]
+            if following >= 0 and left[following] == left[cell] - 1:
+                cell = following
                 break
         out[place] = cell
     return out
@@ -222,16 +243,15 @@ def view_path(
     value: np.ndarray,
     camera: Camera,
     start: tuple[Cell, int],
-    goal: tuple[Cell, int],
+    goal: Cell,
     parameters: WayParameters,
 ) -> list[Cell]:
-    """Return a way on a (H, W) belief from one pose to another, both included; empty if there is none.
+    """Return a way on a (H, W) belief from a cell and heading to a goal, both included; empty if there is none.
 
-    A cell that follows itself is a turn. The heading of the goal may be ``ANY``. ``value`` (H*W,) is that of unknown
+    A cell that follows itself is a turn. ``value`` (H*W,) is that of unknown
     cells, and 0 elsewhere.
     """
     width = belief.shape[1]
     (row, col), facing = start
-    (goal_row, goal_col), heading = goal
-    way = _way(belief, value, camera, (row * width + col, facing), (goal_row * width + goal_col, heading), parameters)
+    way = _way(belief, value, camera, (row * width + col, facing), goal[0] * width + goal[1], parameters)
     return [divmod(place, width) for place in way.tolist()]
