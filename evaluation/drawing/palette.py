@@ -3,7 +3,7 @@
 The colours are those of Okabe and Ito (2008) without the yellow, which is hardly visible on white, each with a
 lighter variant for dark backgrounds, and an indigo. Policies that know the map are black and chance is grey, whatever
 else is drawn. The shipped ones always look the same, so that the figures of two comparisons agree; others get the
-least used colours. No two of the first 35 share colour and dash.
+least used colours. No two of the first 42 share colour and dash.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ SHIPPED = {
     3: ("pso", "frontier-advantage", "pso-robots", "prm-tour", "rrt-predictive"),
     4: ("rrt", "rrt-aep", "aco", "frontier-tour", "dddqn-thesis"),
     5: ("frontier-predictive", "horizon", "frontier-minpos", "gso", "pso-predictive", "frontier-heading"),
-    7: ("frontier-latency", "tours", "frontier-utility", "bat", "rrt-frontier"),
+    7: ("frontier-latency", "tours", "frontier-utility", "bat", "rrt-frontier", "loop-closing"),
 }
 #: The colour of policies that know the map, last in the order.
 BLACK = ("#1b1f24", "#eef0f2")
@@ -97,9 +97,15 @@ class PolicyStyle(NamedTuple):
 Styles = Mapping[str, PolicyStyle]
 
 
+def _dashes(row: int) -> list[int]:
+    """Return the dashes of the policies of one colour, in their order."""
+    turning = len(DASHES) - 1
+    return [*((row + place) % turning for place in range(turning)), turning]
+
+
 #: The styles of the shipped policies.
 _FIXED = {
-    name: PolicyStyle(colour, (row + place) % len(DASHES), (row + place) % len(MARKERS))
+    name: PolicyStyle(colour, _dashes(row)[place], (row + place) % len(MARKERS))
     for row, (colour, names) in enumerate(SHIPPED.items())
     for place, name in enumerate(names)
 }
@@ -136,7 +142,7 @@ def _another(used: Collection[PolicyStyle]) -> PolicyStyle:
     count = Counter(style.colour for style in used)
     row, colour = min(enumerate(SHIPPED), key=lambda each: count[each[1]])
     taken = {style.dash for style in used if style.colour == colour}
-    dashes = [(row + k) % len(DASHES) for k in range(len(DASHES))]
+    dashes = _dashes(row)
     dash = next((each for each in dashes if each not in taken), dashes[count[colour] % len(DASHES)])
     return PolicyStyle(colour, dash, len(used) % len(MARKERS))
 

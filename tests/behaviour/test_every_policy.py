@@ -28,8 +28,8 @@ from tests.planners import flights
 
 ROWS = covering_array()
 REAL_MAP = Path(__file__).resolve().parents[3] / "shared" / "maps" / "slam" / "Sarmis2_map_adj.yaml"
-#: Policies that fly as `frontier` where there is no base or no prior map, which their own tests compare.
-AS_FRONTIER = ["return-to-base", "prior-tour"]
+#: Policies that fly as `frontier` where there is no base, no prior map or no drift, which their own tests compare.
+AS_FRONTIER = ["return-to-base", "prior-tour", "loop-closing"]
 #: Policies that fly as others do, by the estimates of `frontier-predictive`; `make test` flies their golden episodes.
 BY_ESTIMATES = ["pso-predictive", "rrt-predictive"]
 every_explorer = parametrized(EXPLORERS, slow=[*AS_FRONTIER, *BY_ESTIMATES])
