@@ -26,6 +26,11 @@ from indoor_explorers.env.maps.readers.opening import Fits, check_file, read_byt
 MAX_BYTES = 65_536
 #: The deepest nesting a YAML file may have; real ones have two levels.
 MAX_DEPTH = 8
+#: Nav2's map saver writes this ``free_thresh`` beside the shade 205 for unknown cells, an occupancy of 0.1961, so that they
+#: would be read as free (https://github.com/SteveMacenski/slam_toolbox/issues/587).
+NAV2_FREE_THRESH = 0.25
+#: What ROS 1's map saver writes, which keeps that shade unknown.
+FREE_THRESH = 0.196
 
 _SWITCH = {"0": False, "false": False, "no": False, "off": False, "1": True, "true": True, "yes": True, "on": True}
 _NEEDED = {
@@ -49,7 +54,7 @@ class RosMap:
     """True when white is occupied and black is free."""
     occupied_thresh: float = 0.65
     """A pixel is occupied above this occupancy (0 to 1)."""
-    free_thresh: float = 0.196
+    free_thresh: float = FREE_THRESH
     """A pixel is free below this occupancy (0 to 1)."""
     yaw: float = 0.0
     """Rotation of the picture in the world, radians; a note reports it, and it is otherwise ignored."""
@@ -60,7 +65,7 @@ class RosMap:
 def read_ros(path: Path, fits: Fits | None = None) -> tuple[Belief, float]:
     """Read a map_server map; return its (H, W) uint8 cells (0 unknown, 1 free, 2 occupied) and metres a pixel.
 
-    The thresholds act as in map_server's mode ``trinary``; in mode ``scale`` transparent pixels are unknown. Mode
+    The thresholds act as in map_server's mode ``trinary``, but for maps that Nav2 saved; in mode ``scale`` transparent pixels are unknown. Mode
     ``raw`` is refused, since its values are not occupancies. The origin, with its yaw, is checked and ignored. ``fits``
     checks the picture's size before it is decoded.
     """
@@ -92,6 +97,9 @@ def trinary(channels: NDArray[np.uint8], facts: RosMap) -> Belief:
 def parse_ros(path: Path) -> RosMap:
     """Read and check a map_server YAML file; of a repeated key the last one counts, unknown keys are ignored.
 
+    A file as Nav2's map saver writes it has a ``free_thresh`` of :data:`FREE_THRESH` instead of its own, see
+    :data:`NAV2_FREE_THRESH`.
+
     Raises :class:`InputError` with one line that says what is wrong with it.
     """
     data = _load(path)
@@ -105,7 +113,7 @@ def parse_ros(path: Path) -> RosMap:
         resolution=_number(path, data, "resolution", 1e-6, 1e6),
         negate=_choice(path, data, "negate", _SWITCH),
         occupied_thresh=_number(path, data, "occupied_thresh", 0.0, 1.0),
-        free_thresh=_number(path, data, "free_thresh", 0.0, 1.0),
+        free_thresh=_free_thresh(path, data),
         scale=_choice(path, {"mode": "trinary"} | dict(data), "mode", {"trinary": False, "scale": True}),
     )
     if facts.free_thresh >= facts.occupied_thresh:
@@ -114,6 +122,12 @@ def parse_ros(path: Path) -> RosMap:
             f"got {facts.free_thresh:g} and {facts.occupied_thresh:g}; are they swapped?"
         )
     return facts
+
+
+def _free_thresh(path: Path, data: Mapping[str, Any]) -> float:
+    value = _number(path, data, "free_thresh", 0.0, 1.0)
+    saved_by_nav2 = value == NAV2_FREE_THRESH and data.get("mode") == "trinary" and not _choice(path, data, "negate", _SWITCH)
+    return FREE_THRESH if saved_by_nav2 else value
 
 
 def _load(path: Path) -> Mapping[str, Any]:

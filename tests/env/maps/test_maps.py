@@ -56,6 +56,22 @@ def test_a_pixel_exactly_at_a_threshold_is_unknown(negate: bool) -> None:
     assert classes(shades, negate=negate, occupied=0.4, free=0.2) == [OCCUPIED, UNKNOWN, UNKNOWN, FREE]
 
 
+@pytest.mark.parametrize(
+    ("yaml", "unknown"),
+    [
+        ("mode: trinary\nfree_thresh: 0.25\n", UNKNOWN),
+        ("free_thresh: 0.25\n", FREE),
+        ("mode: trinary\nfree_thresh: 0.24\n", FREE),
+        ("mode: scale\nfree_thresh: 0.25\n", FREE),
+        ("mode: trinary\nfree_thresh: 0.25\nnegate: 1\n", OCCUPIED),
+    ],
+)
+def test_what_nav2_saved_as_unknown_is_unknown(tmp_path: Path, yaml: str, unknown: int) -> None:
+    """Nav2's saver writes 205 for unknown cells and a threshold by which they would be free."""
+    path = write_ros(tmp_path, np.array([[205]], np.uint8), YAML + yaml)
+    assert read_ros(path)[0].tolist() == [[unknown]]
+
+
 def test_colours_are_averaged_and_alpha_is_ignored(tmp_path: Path) -> None:
     pixels = np.array([[[254, 254, 254, 0], [255, 255, 105, 9], [255, 0, 0, 255], [0, 0, 0, 255]]], np.uint8)
     read, resolution = read_ros(write_ros(tmp_path, pixels))
