@@ -39,7 +39,7 @@ def read_map(path: str | Path, resolution: float | None = None) -> Floorplan:
     :func:`~indoor_explorers.env.maps.reduction.reduced`.
 
     - ``.yaml``, ``.yml``: a ROS map_server map; doorways that it leaves unknown are opened, and the unknown around
-      the building is cut away. A yaw of its origin is ignored.
+      the building is cut away. A yaw of its origin is ignored; what Nav2 saved as unknown is unknown.
     - ``.png``, ``.pgm``, ``.pnm``, ``.bmp``: a plain picture; bright is free, transparent is white, and a coloured
       spot marks the start.
     - ``.map``: a grid of the MovingAI benchmarks.

@@ -26,8 +26,8 @@ from indoor_explorers.env.maps.readers.opening import Fits, check_file, read_byt
 MAX_BYTES = 65_536
 #: The deepest nesting a YAML file may have; real ones have two levels.
 MAX_DEPTH = 8
-#: Nav2's map saver writes this ``free_thresh`` beside the shade 205 for unknown cells, an occupancy of 0.1961, so that they
-#: would be read as free (https://github.com/SteveMacenski/slam_toolbox/issues/587).
+#: Nav2's map saver writes this ``free_thresh`` beside the shade 205 for unknown cells, an occupancy of 0.1961, so that
+#: they would be read as free (https://github.com/SteveMacenski/slam_toolbox/issues/587).
 NAV2_FREE_THRESH = 0.25
 #: What ROS 1's map saver writes, which keeps that shade unknown.
 FREE_THRESH = 0.196
@@ -65,9 +65,9 @@ class RosMap:
 def read_ros(path: Path, fits: Fits | None = None) -> tuple[Belief, float]:
     """Read a map_server map; return its (H, W) uint8 cells (0 unknown, 1 free, 2 occupied) and metres a pixel.
 
-    The thresholds act as in map_server's mode ``trinary``, but for maps that Nav2 saved; in mode ``scale`` transparent pixels are unknown. Mode
-    ``raw`` is refused, since its values are not occupancies. The origin, with its yaw, is checked and ignored. ``fits``
-    checks the picture's size before it is decoded.
+    The thresholds act as in map_server's mode ``trinary``, but what Nav2 saved as unknown is unknown; in mode ``scale``
+    transparent pixels are unknown. Mode ``raw`` is refused, since its values are not occupancies. The origin, with its
+    yaw, is checked and ignored. ``fits`` checks the picture's size before it is decoded.
     """
     facts = parse_ros(path)
     try:
@@ -126,8 +126,8 @@ def parse_ros(path: Path) -> RosMap:
 
 def _free_thresh(path: Path, data: Mapping[str, Any]) -> float:
     value = _number(path, data, "free_thresh", 0.0, 1.0)
-    saved_by_nav2 = value == NAV2_FREE_THRESH and data.get("mode") == "trinary" and not _choice(path, data, "negate", _SWITCH)
-    return FREE_THRESH if saved_by_nav2 else value
+    by_nav2 = value == NAV2_FREE_THRESH and data.get("mode") == "trinary"
+    return FREE_THRESH if by_nav2 and not _choice(path, data, "negate", _SWITCH) else value
 
 
 def _load(path: Path) -> Mapping[str, Any]:

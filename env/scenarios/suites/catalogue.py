@@ -76,14 +76,14 @@ def digests_of(name: str) -> list[str]:
     All versions of the suite count.
 
     Raises:
-        InputError: there is no suite or no part of that name, or its maps are generated from seeds.
+        InputError: there is no suite or no part of that name, the part has no maps, or they are generated from seeds.
 
     """
     title, slash, part = name.partition("/")
     if not slash:
         return [name]
     suite = suite_of(title)
-    if part not in list(Part) or suite.map is not None:
+    if part not in list(Part) or suite.map is not None or not suite.has(Part(part)):
         raise InputError(f"expected a part of a suite of map files, such as 'floors/train', got {name!r}")
     mine = (each for each in all_suites() if each.name == title)
     entries = [entry for each in mine for _, entry in each.maps(Part(part))]

@@ -17,6 +17,8 @@ Located = tuple[Repository, SuiteMap, Path | None]
 def located(suite: Suite, part: Part, data: Iterable[Path]) -> Iterator[Located]:
     """Yield the map files of a part, each with the folder of the clone that has it; None where none does.
 
+    Of several folders that have files of these names the first one with the suite's checksums counts.
+
     Args:
         suite: the suite.
         part: the part.
@@ -26,7 +28,9 @@ def located(suite: Suite, part: Part, data: Iterable[Path]) -> Iterator[Located]
     roots = [root for folder in data for root in (folder, *_subfolders(folder))]
     for home, each in suite.maps(part):
         inside = [root / home.folder for root in roots]
-        yield home, each, next((root for root in inside if all((root / path).is_file() for path in each.files)), None)
+        found = [root for root in inside if all((root / path).is_file() for path in each.files)]
+        whole = (root for root in found if len(found) == 1 or not any(_changed(each, root)))
+        yield home, each, next(whole, found[0] if found else None)
 
 
 def _subfolders(folder: Path) -> list[Path]:
@@ -45,9 +49,13 @@ def maps_of(suite: Suite, part: Part, data: Sequence[Path], only: Sequence[str] 
     """Return the source of the maps of a part, all of them or those whose names or buildings match a pattern.
 
     Raises:
-        InputError: files are missing or differ from the suite's, or maps are read or drawn differently.
+        InputError: the suite lacks the part, files are missing or differ from the suite's, or maps are read or drawn
+            differently.
 
     """
+    if not suite.has(part):
+        parts = " or ".join(each for each in Part if suite.has(each))
+        raise InputError(f"suite {suite.name!r} has no {part} part; ask for its {parts} part")
     if suite.map is not None:
         return _checked_generator(suite, part, only)
     found = _matching(suite, part, list(located(suite, part, data)), only)
@@ -100,13 +108,19 @@ def _refuse_missing(suite: Suite, found: Iterable[Located]) -> None:
 
 
 def _check_files(home: Repository, each: SuiteMap, root: Path) -> None:
+    for path, digest in _changed(each, root):
+        raise InputError(
+            f"{root / path}: expected the file of commit {home.commit[:12]} (SHA-256 {each.files[path][:12]}...), "
+            f"got another one ({digest[:12]}...); {how_to_fetch(home)}"
+        )
+
+
+def _changed(each: SuiteMap, root: Path) -> Iterator[tuple[str, str]]:
+    """Yield paths and SHA-256 of a map's files that are not the suite's."""
     for path, expected in each.files.items():
         digest = hashlib.sha256((root / path).read_bytes()).hexdigest()
         if digest != expected:
-            raise InputError(
-                f"{root / path}: expected the file of commit {home.commit[:12]} (SHA-256 {expected[:12]}...), "
-                f"got another one ({digest[:12]}...); {how_to_fetch(home)}"
-            )
+            yield path, digest
 
 
 def _refuse_other_map(suite: Suite, what: str, expected: str, got: str) -> None:

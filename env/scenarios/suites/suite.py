@@ -1,4 +1,4 @@
-"""A suite: a fixed, versioned list of tasks in three parts that share no building, no map and no seed."""
+"""A suite: a fixed, versioned list of tasks in up to three parts that share no building, no map and no seed."""
 
 from __future__ import annotations
 
@@ -129,6 +129,10 @@ class Suite(_Table):
     def maps(self, part: Part) -> Iterator[tuple[Repository, SuiteMap]]:
         """Yield the map files of a part, in the order of map indices; none where maps are generated."""
         return ((home, each) for home in self.repositories for each in home.maps if each.part is part)
+
+    def has(self, part: Part) -> bool:
+        """Return whether a part has maps; a suite for a final test has none to train or validate on."""
+        return part in self.parts if self.map is not None else any(self.maps(part))
 
     def map_count(self, part: Part) -> int:
         """Return the number of maps of a part."""

@@ -14,6 +14,9 @@ if TYPE_CHECKING:
 
     from indoor_explorers.env.scenarios.suites.suite import Suite
 
+#: Repositories of a suite that the list of all suites names; of more it gives the number.
+MOST_NAMED = 3
+
 
 class SuitesOptions(Request):
     """The options of ``suites``."""
@@ -53,6 +56,8 @@ def _overview(suites: Iterable[Suite]) -> Table:
     for suite in suites:
         maps = " / ".join(str(suite.map_count(part)) for part in Part)
         data = ", ".join(home.name for home in suite.repositories) or "none"
+        if len(suite.repositories) > MOST_NAMED:
+            data = f"{len(suite.repositories)} repositories"
         table.add_row(suite.name, str(suite.version), maps, data, suite.about)
     return table
 
@@ -70,7 +75,7 @@ def _parts(suite: Suite) -> Table:
     from indoor_explorers.env.scenarios.suites.suite import Part
 
     table = Table("part", "maps", "buildings", "starts", "tasks", "seeds", box=None, header_style="bold")
-    for part in Part:
+    for part in filter(suite.has, Part):
         seeds, buildings = suite.seeds(part), len(suite.buildings(part))
         counts = (suite.map_count(part), buildings or "-", suite.starts, suite.task_count(part))
         table.add_row(part, *map(str, counts), f"{seeds[0]:,} to {seeds[-1]:,}")

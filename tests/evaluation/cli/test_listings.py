@@ -58,6 +58,7 @@ def test_suites_are_listed_with_their_parts(capsys):
     printed = capsys.readouterr().out
     assert [line.split()[0] for line in printed.splitlines() if " / " in line][1:] == list(suites())
     assert re.search(r"floors +1 +36 / 17 / 36 +amrl_maps", printed)
+    assert re.search(r"buildings +1 +0 / 0 / \d+ +\d+ repositories", printed)
 
 
 def test_a_suite_is_explained_with_the_commands_that_fetch_its_maps(capsys, tmp_path):

@@ -4,6 +4,7 @@ import hashlib
 import json
 import os
 import re
+from collections.abc import Iterable
 from itertools import combinations
 from pathlib import Path
 
@@ -14,7 +15,7 @@ from indoor_explorers.env.maps.files import read_map
 from indoor_explorers.env.scenarios.seed_sets import SeedUse, use_of
 from indoor_explorers.env.scenarios.suites.catalogue import FOLDER, all_suites, buildings, digests_of, suite_of, suites
 from indoor_explorers.env.scenarios.suites.clones import how_to_fetch, maps_of
-from indoor_explorers.env.scenarios.suites.suite import Part, Suite, digest_of
+from indoor_explorers.env.scenarios.suites.suite import Part, Repository, Suite, digest_of
 
 DOCUMENT = (Path(__file__).parents[4] / "evaluation" / "SUITES.md").read_text()
 SHARED = Path(__file__).parents[5] / "shared" / "maps"
@@ -26,8 +27,25 @@ FOLDERS = {
 #: The repositories' clones, where there are any.
 CLONES = Path(os.environ.get("SUITE_DATA", "no-folder"))
 USES = {Part.TRAIN: SeedUse.TRAINING, Part.VALIDATION: SeedUse.VALIDATION, Part.TEST: SeedUse.TEST}
+#: Suites for a final test alone.
+FINAL = {"buildings"}
+#: Suites whose maps are of buildings that may have several floors.
+BUILDINGS = {"buildings", "floors"}
+#: Repositories whose maps this project had met before the suite buildings was made, in suites or elsewhere.
+MET = {
+    "aislabunimi",
+    "castacks/MapEx",
+    "goldleaf3i",
+    "marmotlab",
+    "nathansttt/hog2",
+    "pierrebrd/exploration_benchmarking",
+    "RobustFieldAutonomyLab/DRL_robot_exploration",
+    "ros-navigation/navigation2",
+    "ut-amrl",
+}
 #: What each version of each suite holds.
 CONTENTS = {
+    "buildings 1": "3b9c4947a287ded1",
     "dare 1": "9bca31f69c5e25f4",
     "dungeons 1": "5a5c4c30a7b389f1",
     "floors 1": "a770d13394c06bed",
@@ -77,13 +95,19 @@ def test_parts_share_no_building_no_map_and_no_seed(suite: Suite):
         [sha for each in every for sha in each.files.values()],
     ):
         assert len(values) == len(set(values))
-    assert {each.part for each in every} == (set() if suite.map else set(Part))
+    assert {each.part for each in every} == (set() if suite.map else parts_of(suite))
+
+
+def parts_of(suite: Suite) -> set[Part]:
+    """The parts that a suite must have."""
+    return {Part.TEST} if suite.name in FINAL else set(Part)
 
 
 @ALL
 def test_a_part_is_flown_on_seeds_of_its_use(suite: Suite):
+    assert {part for part in Part if suite.has(part)} == parts_of(suite)
     for part in Part:
-        assert suite.map_count(part) > 0
+        assert (suite.map_count(part) > 0) is suite.has(part)
         assert use_of(suite.seeds(part)) is USES[part]
 
 
@@ -95,7 +119,7 @@ def test_checksums_and_names_are_whole(suite: Suite):
         assert len(home.commit) == 40
         assert not home.folder or home.folder.endswith("/")
         assert all(len(sha) == 64 for each in home.maps for sha in each.files.values())
-        assert all(len(each.digest) == 16 and each.cells >= 200 for each in home.maps)
+        assert all(len(each.digest) == 16 and each.cells >= 150 for each in home.maps)
         assert len({each.name for each in home.maps}) == len(home.maps)  # --maps names one
 
 
@@ -125,6 +149,34 @@ def test_no_map_to_test_on_is_a_turned_mirrored_or_rescaled_one_to_train_on(name
     assert sum(map(len, drawn.values())) == sum(part.maps for part in suite.parts.values())
 
 
+@pytest.mark.parametrize("name", sorted(FINAL))
+def test_a_final_test_has_maps_of_sources_that_nothing_met_before(name: str):
+    mine = suite_of(name)
+    sources = {home.url.removeprefix("https://github.com/") for home in mine.repositories}
+    others = [home for suite in all_suites() if suite.name not in FINAL for home in suite.repositories]
+    assert len(sources) >= 3
+    assert not [each for each in sources for met in MET if each == met or each.startswith(f"{met}/")]
+    assert not sources & {home.url.removeprefix("https://github.com/") for home in others}
+    assert not checksums(mine.repositories) & checksums(others)
+    assert len(mine.buildings(Part.TEST)) >= 20
+
+
+def checksums(homes: Iterable[Repository]) -> set[str]:
+    """Digests, layouts and SHA-256 of all files of some repositories."""
+    maps = [each for home in homes for each in home.maps]
+    return {told for each in maps for told in (each.digest, each.layout, *each.files.values())}
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not SHARED.is_dir(), reason="../shared/maps is not there")
+def test_no_map_of_a_final_test_is_one_that_the_project_was_developed_on():
+    folders = [SHARED / name for name in ("floors", "kth", "newfloors", "slam")]
+    files = [path for folder in folders for path in folder.glob("*.yaml") if "wrong" not in path.name]
+    plans = [read_map(path, 0.5) for path in files]
+    for name in FINAL:
+        assert not {told for plan in plans for told in (plan.digest, plan.layout)} & set(digests_of(f"{name}/test"))
+
+
 def test_an_unknown_suite_is_told_with_the_nearest_one():
     with pytest.raises(InputError, match="unknown suite 'flors'; did you mean 'floors'"):
         suite_of("flors")
@@ -134,7 +186,7 @@ def test_parts_stand_for_their_maps_and_digests_for_themselves():
     assert digests_of("0123") == ["0123"]
     assert len(digests_of("floors/train")) == 2 * suite_of("floors").map_count(Part.TRAIN)  # maps and layouts
     assert not set(digests_of("floors/train")) & set(digests_of("floors/test"))
-    for name in ("floors/tests", "rooms/train", "flors/train"):
+    for name in ("floors/tests", "rooms/train", "flors/train", "buildings/train"):
         with pytest.raises(InputError, match=name.partition("/")[0]):
             digests_of(name)
 
@@ -171,8 +223,9 @@ def test_the_shared_maps_are_the_train_and_validation_parts(name: str):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("part", Part)
-@pytest.mark.parametrize("name", FOLDERS)
+@pytest.mark.parametrize(
+    ("name", "part"), [*((name, part) for name in FOLDERS for part in Part), *((name, Part.TEST) for name in FINAL)]
+)
 @pytest.mark.skipif(not CLONES.is_dir(), reason="SUITE_DATA names no folder of clones")
 def test_the_files_of_the_repositories_are_read_as_the_suites_have_them(name: str, part: Part):
     suite = suite_of(name)
@@ -194,7 +247,7 @@ def test_the_document_has_the_numbers_of_the_suites():
     assert told == {
         name: (
             " / ".join(str(suite.map_count(part)) for part in Part),
-            " / ".join(str(len(suite.buildings(part))) for part in Part) if name == "floors" else "-",
+            " / ".join(str(len(suite.buildings(part))) for part in Part) if name in BUILDINGS else "-",
             suite.starts,
             suite.task_count(Part.TEST),
         )

@@ -26,6 +26,20 @@ def test_clones_are_found_by_themselves_and_in_a_folder(tiny: Path):
     assert names(maps_of(suite, Part.TRAIN, [tiny / "plans"])) == ["d"]
 
 
+def test_of_clones_with_files_of_one_name_the_one_with_the_checksums_counts(tiny: Path, tmp_path: Path):
+    for name in ("aaa", "zzz"):
+        shutil.copytree(tiny / "floors", tmp_path / name)
+        np.save(tmp_path / name / "a1.npy", np.zeros((5, 5), np.int8))
+    assert names(maps_of(suite_of("tiny"), Part.TEST, [tmp_path, tiny])) == ["a1", "a2", "b"]
+    with pytest.raises(InputError, match=r"aaa/a1\.npy: expected the file of commit"):
+        maps_of(suite_of("tiny"), Part.TEST, [tmp_path])
+
+
+def test_a_part_that_a_suite_lacks_is_told():
+    with pytest.raises(InputError, match="suite 'buildings' has no train part; ask for its test part"):
+        maps_of(suite_of("buildings"), Part.TRAIN, [])
+
+
 def test_maps_are_chosen_by_name_and_by_building(tiny: Path):
     def chosen(*only: str) -> list[str]:
         return names(maps_of(suite_of("tiny"), Part.TEST, [tiny], only))
