@@ -32,7 +32,7 @@ SHIPPED = {
     2: ("dddqn", "dddqn-places", "pomdp", "prior-tour", "return-to-base"),
     3: ("pso", "frontier-advantage", "pso-robots", "prm-tour", "rrt-predictive"),
     4: ("rrt", "rrt-aep", "aco", "frontier-tour", "dddqn-thesis"),
-    5: ("frontier-predictive", "horizon", "frontier-minpos", "gso", "pso-predictive", "frontier-heading"),
+    5: ("frontier-predictive", "horizon", "frontier-minpos", "gso", "pso-predictive"),
     7: ("frontier-latency", "tours", "frontier-utility", "bat", "rrt-frontier", "loop-closing"),
 }
 #: The colour of policies that know the map, last in the order.
@@ -40,7 +40,7 @@ BLACK = ("#1b1f24", "#eef0f2")
 #: All colours by :attr:`PolicyStyle.colour`.
 INKS = (*COLOURS, BLACK)
 #: On and off lengths; empty is a solid line.
-DASHES: tuple[tuple[float, ...], ...] = ((), (7, 3), (2, 2), (9, 3, 2, 3), (4, 2), (9, 3, 2, 3, 2, 3))
+DASHES: tuple[tuple[float, ...], ...] = ((), (7, 3), (2, 2), (9, 3, 2, 3), (4, 2))
 #: Plotly's name and matplotlib's letter.
 MARKERS = (
     ("circle", "o"),

@@ -46,14 +46,7 @@ GIVEN: list[tuple[str, dict[str, float], dict[str, float]]] = [
             {"decay_length": 1.0, "discount_rate": 2.0, "switch_cost": 3.0},
         )
         for name in (
-            *(
-                "frontier-latency",
-                "frontier-heading",
-                "frontier-predictive",
-                "rrt-frontier",
-                "rrt-predictive",
-                "rrt-nbv",
-            ),
+            *("frontier-latency", "frontier-predictive", "rrt-frontier", "rrt-predictive", "rrt-nbv"),
             *("prm-tour", "cover-tour"),
         )
     ),

@@ -185,11 +185,10 @@ def _search(task: _Task, start: tuple[int, int]) -> np.ndarray:
     ways = memory.ways
     ways.cell[0], ways.heading[0] = start
     best, most, layer, count = 0, -np.inf, np.zeros(1, np.int64), 1
-    shortest = int(task.left[start[0]])
     for step in range(1, horizon + 1):
         first = count
-        for kept in layer:
-            count = _extend(task, memory, int(kept), shortest + task.parameters.slack - step, count)
+        for way in layer:
+            count = _extend(task, memory, way, task.left[start[0]] + task.parameters.slack - step, count)
         for way in range(first, count):
             if (step == horizon or task.left[ways.cell[way]] == 0) and ways.score[way] > most:
                 best, most = way, ways.score[way]

@@ -43,7 +43,7 @@ def headed(path: list[Cell], facing: int) -> list[Pose]:
 
 
 def plain(belief: Belief) -> np.ndarray:
-    return np.asarray(belief.ravel() == UNKNOWN, np.float64)
+    return (belief.ravel() == UNKNOWN).astype(np.float64)
 
 
 def free_cells(belief: Belief, count: int) -> list[Cell]:
