@@ -61,17 +61,13 @@ class GoalPilot(Pilot):
     def __init__(self, briefing: Briefing) -> None:
         self.briefing = briefing
         self.rng = briefing.rng
-        self.navigator = self.new_navigator(briefing)
+        self.navigator = Navigator(briefing, straight=self.straight)
         self.paths = self.navigator.paths
         self.plans = 0
         """Number of goals chosen so far."""
         self._grew_since_choice = False
         self._next_choice = inf
         self._sharing = MapSharing(briefing, self.paths) if MapSharing.is_needed(briefing) else None
-
-    def new_navigator(self, briefing: Briefing) -> Navigator:
-        """Return the navigator of an episode."""
-        return Navigator(briefing, straight=self.straight)
 
     @abstractmethod
     def choose(self, view: View) -> Cell | None:
