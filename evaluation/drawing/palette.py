@@ -40,7 +40,7 @@ BLACK = ("#1b1f24", "#eef0f2")
 #: All colours by :attr:`PolicyStyle.colour`.
 INKS = (*COLOURS, BLACK)
 #: On and off lengths; empty is a solid line.
-DASHES: tuple[tuple[float, ...], ...] = ((), (7, 3), (2, 2), (9, 3, 2, 3), (4, 2))
+DASHES: tuple[tuple[float, ...], ...] = ((), (7, 3), (2, 2), (9, 3, 2, 3), (4, 2), (9, 3, 2, 3, 2, 3))
 #: Plotly's name and matplotlib's letter.
 MARKERS = (
     ("circle", "o"),
