@@ -92,7 +92,7 @@ def test_every_map_of_the_suites_has_a_repository():
     digests = catalogue.buildings().keys()
     known = {"amrl_maps", "generativeCMLgraphs", "declutter-reconstruct", "DRL_robot_exploration", "IR2", "DARE"}
     assert catalogue.repositories().keys() == digests
-    assert set(catalogue.repositories().values()) == known
+    assert known < set(catalogue.repositories().values())
 
 
 def test_an_older_store_is_read_as_before_and_shows_no_such_table(old, flown, tmp_path):
