@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import ClassVar, Literal, get_args
 
-from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.cells import UNREACHABLE, Action
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.registry import make_policy
-from indoor_explorers.env.policies.view import MESSAGE_LIMIT, Briefing, Mate, View
+from indoor_explorers.env.policies.view import Briefing, Mate, View
+from indoor_explorers.planners.toolbox.explorers import ExploringWith, added, with_added, without_added
 from indoor_explorers.planners.toolbox.navigation.navigator import Navigator
-from indoor_explorers.planners.toolbox.parameters import Parameters, bounded, one_of
+from indoor_explorers.planners.toolbox.parameters import bounded, one_of
 
 When = Literal["trips", "every", "deadline", "never"]
 #: Numbers that are added to each message: steps home, and whether the sender flies there.
@@ -21,7 +21,7 @@ SPARE, SPARE_EVERY = 3, 8
 
 
 @dataclass(frozen=True, kw_only=True)
-class ReturnToBase(Parameters, Policy):
+class ReturnToBase(ExploringWith):
     """Explore as another policy does, and report the map at a home base.
 
     Where there is no base, UAVs fly as that policy. Of UAVs in contact only the one nearest to the base flies home: it
@@ -33,8 +33,6 @@ class ReturnToBase(Parameters, Policy):
 
     plans_for: ClassVar[str] = ALL_CELLS
 
-    explorer: str = "frontier"
-    """Registry name of the policy that explores."""
     when: When = one_of("trips", get_args(When))
     """When to fly home before the end: ``trips``: when the last contact with the base is older than some flights home
     and back take; ``every``: after a fixed number of steps; ``deadline``: at the end alone; ``never``."""
@@ -42,14 +40,6 @@ class ReturnToBase(Parameters, Policy):
     """``trips``: how many such flights."""
     every: int = bounded(100, least=1)
     """``every``: steps since the last contact."""
-
-    def __post_init__(self) -> None:
-        """Check the parameters and the explorer, and take over whether the explorer reads the generator."""
-        super().__post_init__()
-        explorer = make_policy(self.explorer)
-        if explorer.privileged:
-            raise InputError(f"ReturnToBase: expected an explorer that is not given the map, got {self.explorer!r}")
-        object.__setattr__(self, "uses_generator", explorer.uses_generator)
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""
@@ -87,10 +77,9 @@ class ReturnPilot(Pilot):
         elif self._returning:
             action = self._fly_home(view)
         else:
-            action = self._explorer.act([self._pilot], [view._replace(mates=_explorers(view.mates))])[0]
+            action = self._explorer.act([self._pilot], [view._replace(mates=without_added(view.mates, ADDED))])[0]
         own = None if self._returning else self._pilot.message
-        kept = own if own and len(own) + ADDED <= MESSAGE_LIMIT else ()
-        self.message = (*kept, float(self._home), float(self._returning))
+        self.message = with_added(own, self._home, self._returning)
         return action
 
     def _observe(self, view: View) -> None:
@@ -145,9 +134,4 @@ class ReturnPilot(Pilot):
 
 def _home_of(mate: Mate) -> tuple[float, int]:
     """Return the steps home in a teammate's message, with its number to break ties."""
-    return (mate.message[-ADDED] if mate.message and len(mate.message) >= ADDED else float(UNREACHABLE)), mate.agent
-
-
-def _explorers(mates: tuple[Mate, ...]) -> tuple[Mate, ...]:
-    """Return the teammates with the messages that their explorers sent."""
-    return tuple(mate._replace(message=(mate.message or ())[:-ADDED] or None) for mate in mates)
+    return (*added(mate, ADDED), float(UNREACHABLE))[0], mate.agent

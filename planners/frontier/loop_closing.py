@@ -9,17 +9,17 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Belief, Cell, Distances, Mask
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNREACHABLE, Action
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.registry import make_policy
-from indoor_explorers.env.policies.view import MESSAGE_LIMIT, Briefing, Mate, Message, View
+from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.sensing.inverse_model import HIT, PASS
+from indoor_explorers.planners.toolbox.explorers import ExploringWith, added, with_added, without_added
 from indoor_explorers.planners.toolbox.localisation.trajectory import Trajectory
 from indoor_explorers.planners.toolbox.navigation.navigator import action_between
 from indoor_explorers.planners.toolbox.navigation.paths import Paths, without
-from indoor_explorers.planners.toolbox.parameters import Parameters, bounded
+from indoor_explorers.planners.toolbox.parameters import bounded
 
 #: Numbers that are added to each message: by how many rows and columns the sender's pose is wrong, as it estimates.
 ADDED = 2
@@ -34,7 +34,7 @@ LEAST_SAVED = 0.02
 
 
 @dataclass(frozen=True, kw_only=True)
-class LoopClosing(Parameters, Policy):
+class LoopClosing(ExploringWith):
     """Explore as another policy does, close a loop as soon as the pose is probably wrong, and mend the map at the end.
 
     Each UAV estimates its path from its own scans (:class:`~.trajectory.Trajectory`), and so where it really is, when
@@ -49,20 +49,10 @@ class LoopClosing(Parameters, Policy):
 
     plans_for: ClassVar[str] = ALL_CELLS
 
-    explorer: str = "frontier"
-    """Registry name of the policy that explores."""
     doubt: float = bounded(0.5, least=0.01, most=0.99)
     """Probability of a wrong pose from which on a UAV takes it for wrong."""
     scan_cost: float = bounded(1.0, least=0)
     """Cost of a scan that a correction would leave in the wrong place, in steps."""
-
-    def __post_init__(self) -> None:
-        """Check the parameters and the explorer, and take over whether the explorer reads the generator."""
-        super().__post_init__()
-        explorer = make_policy(self.explorer)
-        if explorer.privileged:
-            raise InputError(f"LoopClosing: expected an explorer that is not given the map, got {self.explorer!r}")
-        object.__setattr__(self, "uses_generator", explorer.uses_generator)
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""
@@ -93,8 +83,8 @@ class LoopPilot(Pilot):
             return self._explore(view)
         path = self.trajectory
         path.observe(view, self._mate_error(view))
-        action = self._chosen(view._replace(mates=_explorers(view.mates)))
-        self.message = self._with_error(self._pilot.message)
+        action = self._chosen(view._replace(mates=without_added(view.mates, ADDED)))
+        self.message = with_added(self._pilot.message, *path.error)
         self._was_off, self._last = path.is_off, (view.cell, action)
         path.expect(action)
         return action
@@ -261,17 +251,12 @@ class LoopPilot(Pilot):
     def _mate_error(self, view: View) -> Cell | None:
         """Return the error that the nearest linked teammate in sight has by its own estimate; None if there is none."""
         reach = self._briefing.lidar_range + 2
-        linked = [mate for mate in view.mates if mate.age == 0 and mate.message and len(mate.message) >= ADDED]
+        linked = [mate for mate in view.mates if mate.age == 0 and added(mate, ADDED)]
         away = [hypot(mate.cell[0] - view.cell[0], mate.cell[1] - view.cell[1]) for mate in linked]
         if not away or min(away) > reach:
             return None
-        down, right = (linked[away.index(min(away))].message or ())[-ADDED:]
+        down, right = added(linked[away.index(min(away))], ADDED)
         return int(down), int(right)
-
-    def _with_error(self, message: Message) -> Message:
-        """Return a message with the UAV's own error at its end."""
-        kept = message if message and len(message) + ADDED <= MESSAGE_LIMIT else ()
-        return (*kept, *(float(part) for part in self.trajectory.error))
 
     def tally(self) -> dict[str, float]:
         """Return the explorer's figures, the slips found, and the steps flown to close loops and to mend the map."""
@@ -283,8 +268,3 @@ def _with_neighbours(mask: Mask) -> Mask:
     """Return a (H, W) mask with the four neighbours of its cells."""
     padded = np.pad(mask, 1)
     return np.asarray(mask | padded[:-2, 1:-1] | padded[2:, 1:-1] | padded[1:-1, :-2] | padded[1:-1, 2:])
-
-
-def _explorers(mates: tuple[Mate, ...]) -> tuple[Mate, ...]:
-    """Return the teammates with the messages that their explorers sent."""
-    return tuple(mate._replace(message=(mate.message or ())[:-ADDED] or None) for mate in mates)

@@ -8,6 +8,7 @@ from typing import Any
 
 import networkx as nx
 import numpy as np
+from numpy.typing import NDArray
 
 from indoor_explorers.env import Mate, Policy, View, World, scenario
 from indoor_explorers.env.grid.arrays import Cell, Mask
@@ -143,3 +144,14 @@ def rooms(side: int, size: int, seed: int) -> Mask:
             if col + pitch < len(free) - 1:
                 free[row + door, col + size : col + pitch] = True
     return free
+
+
+def fly_preset(policy: Policy, name: str, seed: int, **settings: Any) -> tuple[World, Any, NDArray[np.int64]]:
+    """Return the world after an episode of a preset, its pilots, and the cells of all UAVs at each step."""
+    world = World(scenario(name).for_evaluation().with_settings({"team": 1} | settings))
+    world.reset([seed])
+    pilots = make_pilots(policy, world)
+    cells = [world.state.cell[0].copy()]
+    for _ in rollout(world, ask_pilots(policy, pilots, world)):
+        cells.append(world.state.cell[0].copy())
+    return world, pilots, np.array(cells)

@@ -3,22 +3,16 @@
 import numpy as np
 import pytest
 
-from indoor_explorers.env import InputError, Pilot, World, make_policy, scenario
-from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
+from indoor_explorers.env import InputError, Pilot, make_policy
 from indoor_explorers.planners.return_to_base import ReturnToBase
+from tests.planners.flights import fly_preset
 
 HOME = {"base.at": "start", "base.must_return": True}
 
 
 def flown(policy, name="small-offices", seed=3, **settings):
     """The world after an episode, and its pilots."""
-    world = World(scenario(name).for_evaluation().with_settings({"team": 1, "budget": 150} | settings))
-    world.reset([seed])
-    pilots = make_pilots(policy, world)
-    cells = [world.state.cell[0].copy()]
-    for _ in rollout(world, ask_pilots(policy, pilots, world)):
-        cells.append(world.state.cell[0].copy())
-    return world, pilots, np.array(cells)
+    return fly_preset(policy, name, seed, **({"budget": 150} | settings))
 
 
 @pytest.mark.parametrize("when", ["deadline", "every", "trips"])

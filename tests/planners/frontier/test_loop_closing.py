@@ -3,20 +3,14 @@
 import numpy as np
 import pytest
 
-from indoor_explorers.env import InputError, World, make_policy, scenario
-from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
+from indoor_explorers.env import InputError, make_policy
 from indoor_explorers.planners.frontier.loop_closing import LoopClosing
+from tests.planners.flights import fly_preset
 
 
 def flown(policy, seed, **settings):
     """The world after an episode, its pilots, and the cells of all UAVs at each step."""
-    world = World(scenario("small-floors").for_evaluation().with_settings({"team": 1} | settings))
-    world.reset([seed])
-    pilots = make_pilots(policy, world)
-    cells = [world.state.cell[0].copy()]
-    for _ in rollout(world, ask_pilots(policy, pilots, world)):
-        cells.append(world.state.cell[0].copy())
-    return world, pilots, np.array(cells)
+    return fly_preset(policy, "small-floors", seed, **settings)
 
 
 def wrong(world):

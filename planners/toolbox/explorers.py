@@ -1,0 +1,49 @@
+"""Policies that let another policy explore, and the numbers that their UAVs add to its messages."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.policies.policy import Policy
+from indoor_explorers.env.policies.registry import make_policy
+from indoor_explorers.env.policies.view import MESSAGE_LIMIT, Mate, Message
+from indoor_explorers.planners.toolbox.parameters import Parameters
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExploringWith(Parameters, Policy):
+    """The parameter of a policy that lets another one explore.
+
+    Raises:
+        InputError: there is no such policy, or it is given the true map.
+
+    """
+
+    explorer: str = "frontier"
+    """Registry name of the policy that explores."""
+
+    def __post_init__(self) -> None:
+        """Check the parameters and the explorer, and take over whether the explorer reads the generator."""
+        super().__post_init__()
+        explorer = make_policy(self.explorer)
+        if explorer.privileged:
+            name = type(self).__name__
+            raise InputError(f"{name}: expected an explorer that is not given the map, got {self.explorer!r}")
+        object.__setattr__(self, "uses_generator", explorer.uses_generator)
+
+
+def with_added(message: Message, *numbers: float) -> Message:
+    """Return an explorer's message with numbers at its end; the numbers alone where it would be too long."""
+    kept = message if message and len(message) + len(numbers) <= MESSAGE_LIMIT else ()
+    return (*kept, *map(float, numbers))
+
+
+def added(mate: Mate, count: int) -> tuple[float, ...]:
+    """Return the numbers that a teammate's message has at its end; empty if it has fewer."""
+    return mate.message[-count:] if mate.message and len(mate.message) >= count else ()
+
+
+def without_added(mates: tuple[Mate, ...], count: int) -> tuple[Mate, ...]:
+    """Return the teammates with the messages that their explorers sent."""
+    return tuple(mate._replace(message=(mate.message or ())[:-count] or None) for mate in mates)
