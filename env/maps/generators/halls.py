@@ -14,7 +14,7 @@ from pydantic import Field, model_validator
 from indoor_explorers.env.grid.arrays import Mask
 from indoor_explorers.env.maps.base import GeneratedMaps, check_room, check_sizes
 from indoor_explorers.env.maps.generators.furniture import furnish
-from indoor_explorers.env.maps.generators.offices import shares
+from indoor_explorers.env.maps.generators.offices import room_lengths
 
 #: Least side of the hall itself in cells; a row of rooms that would leave less is left out.
 LEAST_HALL = 8
@@ -89,14 +89,11 @@ class HallsMaps(GeneratedMaps):
         ``rooms`` and ``walls`` get each room and its wall to the hall: two rows of cells, those of the wall and those
         behind it.
         """
-        depth, length = int(rng.integers(self.room_depth[0], self.room_depth[1] + 1)), hall.shape[1]
+        depth, left = int(rng.integers(self.room_depth[0], self.room_depth[1] + 1)), 0
         if hall.shape[0] - depth - 1 < LEAST_HALL:
             return 0
         hall[depth] = False
-        smallest, largest = self.room_width
-        counts = max(1, -(-(length + 1) // (largest + 1))), max(1, (length + 1) // (smallest + 1))
-        count, left = int(rng.integers(counts[0], max(counts) + 1)), 0
-        for width in shares(rng, length - count + 1, count, smallest, largest):
+        for width in room_lengths(rng, hall.shape[1], *self.room_width):
             hall[:depth, left + width : left + width + 1] = False
             rows, cols = np.divmod(places[:depth, left : left + width], self.width)
             rooms.append((int(rows.min()), int(cols.min()), int(np.ptp(rows)) + 1, int(np.ptp(cols)) + 1))

@@ -125,11 +125,8 @@ class OfficesMaps(GeneratedMaps):
         self, rng: np.random.Generator, free: Mask, row: OfficeRow, start: int, length: int
     ) -> Iterator[tuple[int, int, int, int]]:
         """Build the rooms of a part of a row; yield (top, left, depth, width) of the rooms to be furnished."""
-        smallest, largest = self.room_width
-        counts = max(1, -(-(length + 1) // (largest + 1))), max(1, (length + 1) // (smallest + 1))
-        count = int(rng.integers(counts[0], max(counts) + 1))
         left = start
-        for number, width in enumerate(shares(rng, length - count + 1, count, smallest, largest)):
+        for number, width in enumerate(room_lengths(rng, length, *self.room_width)):
             free[row.top : row.top + row.depth, left : left + width] = True
             self._open(rng, free[row.door, left : left + width])
             if number and rng.random() < self.links:
@@ -157,6 +154,13 @@ def shares(rng: np.random.Generator, total: int, count: int, smallest: int, larg
         parts.append(int(rng.integers(low, high + 1)))
         total -= parts[-1]
     return parts
+
+
+def room_lengths(rng: np.random.Generator, length: int, smallest: int, largest: int) -> list[int]:
+    """Divide a row of ``length`` cells at random into rooms with walls of one cell between; return their lengths."""
+    counts = max(1, -(-(length + 1) // (largest + 1))), max(1, (length + 1) // (smallest + 1))
+    count = int(rng.integers(counts[0], max(counts) + 1))
+    return shares(rng, length - count + 1, count, smallest, largest)
 
 
 def set_table(free: Mask, top: int, left: int, depth: int, width: int) -> bool:
