@@ -163,21 +163,18 @@ def _edges(area: np.ndarray, nodes: np.ndarray, most: int) -> np.ndarray:
 
 @kernel()
 def _in_view(occupancy: np.ndarray, nodes: np.ndarray, counted: np.ndarray, lidar: LidarModel) -> np.ndarray:
-    """Return how many cells of each kind 1 and 2 of ``counted`` (H*W,) are seen from each of (N,) nodes, (N, 2)."""
-    width, scan = occupancy.shape[1], new_scan(lidar)
-    out = np.zeros((nodes.shape[0], 2), np.int32)
+    """Return how many cells of ``counted`` (H, W) bool are seen from each of (N,) flat cells, (N,)."""
+    width, scan, wanted = occupancy.shape[1], new_scan(lidar), counted.ravel()
+    out = np.zeros(nodes.shape[0], np.int32)
     for n in range(nodes.shape[0]):
         for place in range(visible_cells(occupancy, nodes[n] // width, nodes[n] % width, lidar, scan)):
-            kind = counted[scan.cells[place]]
-            if kind > 0:
-                out[n, kind - 1] += 1
+            out[n] += wanted[scan.cells[place]]
     return out
 
 
 def unknown_in_view(belief: Belief, nodes: NDArray[np.int32], lidar_range: float) -> NDArray[np.int32]:
     """Return how many unknown cells are in view of each of (N,) flat cells, (N,)."""
-    unknown = (belief == UNKNOWN).astype(np.uint8).ravel()
-    return np.asarray(_in_view(belief, nodes, unknown, lidar_model(lidar_range))[:, 0])
+    return np.asarray(_in_view(belief, nodes, belief == UNKNOWN, lidar_model(lidar_range)))
 
 
 def known_graph(belief: Belief, cell: Cell, steps: Distances, around: Surroundings, settings: GraphSettings) -> Graph:
@@ -200,8 +197,8 @@ def true_graph(
     area = np.where(known, _KNOWN, np.where((truth == FREE) & reachable, _HIDDEN, _SHUT)).astype(np.uint8)
     area[cell] = _KNOWN
     graph = _graph(area, belief, cell, steps, around, settings)
-    left = ((belief == UNKNOWN) & (truth == FREE)).astype(np.uint8).ravel()
-    seen = _in_view(truth, graph.cells, left, lidar_model(around.lidar_range))[:, 0]
+    left = (belief == UNKNOWN) & (truth == FREE)
+    seen = _in_view(truth, graph.cells, left, lidar_model(around.lidar_range))
     extra = np.column_stack([area.ravel()[graph.cells] == _HIDDEN, np.log1p(seen) / _CELLS])
     return graph._replace(features=np.concatenate([graph.features, extra.astype(np.float32)], axis=1))
 
@@ -217,9 +214,8 @@ def _graph(
     width, reach = belief.shape[1], around.lidar_range
     nodes = _nodes(area, cell[0] * width + cell[1], settings.side(reach))
     known = area.ravel()[nodes] == _KNOWN
-    counted = np.where(frontier_mask(belief), 1, np.where(belief == UNKNOWN, 2, 0)).astype(np.uint8).ravel()
-    unknown = _in_view(belief, nodes, counted, lidar_model(reach))[:, 1] * (known & ~around.visited.ravel()[nodes])
-    frontiers = _in_view(belief, nodes, counted, lidar_model(UTILITY_RANGE * reach))[:, 0] * known
+    unknown = unknown_in_view(belief, nodes, reach) * (known & ~around.visited.ravel()[nodes])
+    frontiers = _in_view(belief, nodes, frontier_mask(belief), lidar_model(UTILITY_RANGE * reach)) * known
     rows, cols = np.divmod(nodes, width)
     away = np.minimum(steps.ravel()[nodes] / reach, 4.0 * _STEPS)
     columns = [

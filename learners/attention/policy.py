@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.files import expanded
 from indoor_explorers.env.grid.arrays import Cell, Mask
 from indoor_explorers.env.policies.policy import TRAINED_GOAL, Policy
@@ -76,10 +77,6 @@ def probabilities(found: NDArray[np.float32], allowed: Mask) -> NDArray[np.float
     return np.asarray(shares / shares.sum())
 
 
-#: The weights that ship.
-SHIPPED = Path(__file__).parent / "weights" / "attention-1.safetensors"
-
-
 @dataclass(frozen=True, kw_only=True)
 class AttentionSac(RecordedWeights, Policy):
     """Fly from node to node of a graph of viewpoints, as a graph attention network chooses.
@@ -95,19 +92,19 @@ class AttentionSac(RecordedWeights, Policy):
 
     plans_for: ClassVar[str] = TRAINED_GOAL
 
-    weights: str | None = None
-    """Path of a training's folder or weights; None: the shipped ones."""
+    weights: str
+    """Path of a training's folder or weights."""
     guard: bool = True
     """Fly to the nearest frontier after a flight of six lidar ranges without new cells."""
 
     def __post_init__(self) -> None:
+        if not self.weights:
+            raise InputError("expected the folder of a training, as in attention:DIR, got none")
         load_weights(self.path)
 
     @property
     def path(self) -> Path:
         """The path of the weights."""
-        if self.weights is None:
-            return SHIPPED
         given = expanded(self.weights)
         return given / WEIGHTS if given.is_dir() else given
 
