@@ -204,7 +204,8 @@ class Results(ResultNotes):
 
     def maps(self, scenario: str, policy: str) -> NDArray[np.str_]:
         """Return (E,) the label of each episode's map; maps that count as one have one label (:func:`map_labels`)."""
-        return np.array([self._labels(scenario)[record.floorplan.digest] for record in self.groups[scenario, policy]])
+        labels = self._labels(scenario)
+        return np.array([labels[record.floorplan.digest] for record in self.groups[scenario, policy]])
 
     @cached_property
     def _labels(self) -> Callable[[str], dict[str, str]]:
@@ -222,10 +223,9 @@ class Results(ResultNotes):
 
     def reached(self, scenario: str, policy: str, metric: str) -> NDArray[np.bool_]:
         """Return (E,) whether each episode reached T_q, or for other metrics the scenario's goal."""
-        records = self.groups[scenario, policy]
         if metric in LEVELS:
             return self.measured(scenario, policy, metric)
-        return np.array([record.outcome is Outcome.COMPLETE for record in records])
+        return np.array([record.outcome is Outcome.COMPLETE for record in self.groups[scenario, policy]])
 
     def measured(self, scenario: str, policy: str, metric: str) -> NDArray[np.bool_]:
         """Return (E,) whether each episode has a value of a metric; T_q has none where it was never reached."""
