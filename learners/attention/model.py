@@ -123,6 +123,6 @@ class CriticNet(_GraphNet):
         return values.masked_fill(~batch.legal, 0.0)
 
 
-def weights_of(network: PolicyNet) -> Weights:
+def weights_of(network: nn.Module) -> Weights:
     """Return copies of the weights by name."""
     return {name: value.detach().numpy().copy() for name, value in network.state_dict().items()}

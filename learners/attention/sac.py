@@ -3,7 +3,9 @@
 P. Christodoulou, "Soft Actor-Critic for Discrete Action Settings", 2019 (arXiv:1910.07207), as ARiADNE trains its
 policy. Time between choices varies, so the discount of a choice is that of its duration. The rewards of several choices
 are summed before the critics' estimate of what follows (n-step returns, Hessel et al. 2018, "Rainbow",
-arXiv:1710.02298), as the estimates of neighbouring nodes differ by little. With a privileged critic the
+arXiv:1710.02298), as the estimates of neighbouring nodes differ by little. What is evaluated and kept is a moving
+average of the policy, as single updates of small batches change it much (B. Polyak and A. Juditsky, "Acceleration of
+Stochastic Approximation by Averaging", 1992, doi:10.1137/0330046). With a privileged critic the
 critics see the graph of the true map, and the policy that of the known one (RA-L 2024; L. Pinto et al. 2018,
 "Asymmetric Actor Critic", arXiv:1710.06542).
 """
@@ -20,6 +22,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 from torch import Tensor, nn
 from torch.nn import functional
+from torch.optim.swa_utils import AveragedModel
 
 from indoor_explorers.learners.attention.flights import Choice
 from indoor_explorers.learners.attention.graph import FEATURES, TRUE_FEATURES
@@ -53,6 +56,8 @@ class SacSettings(Settings):
     """Share of the critics that the target networks take over in an update."""
     entropy: float = Field(0.2, ge=0.0, le=1.0)
     """Entropy that the temperature is adjusted to, as a share of that of an even choice."""
+    average: float = Field(0.998, ge=0.0, lt=1.0)
+    """Share that the moving average of the policy keeps in an update; 0: it is the present policy."""
     clip: float = Field(5.0, gt=0.0)
     """Largest norm of a network's gradient."""
 
@@ -96,6 +101,7 @@ class Sac:
         self.settings = settings
         inputs = TRUE_FEATURES if settings.privileged_critic else FEATURES
         self.policy = PolicyNet(FEATURES, network)
+        self.averaged = AveragedModel(self.policy, avg_fn=self._averaged)
         self.critics = nn.ModuleList(CriticNet(inputs, network) for _ in range(2))
         self.targets = copy.deepcopy(self.critics).requires_grad_(False)
         self.temperature = nn.ParameterDict({"log": nn.Parameter(torch.tensor([FIRST_TEMPERATURE]))})
@@ -111,6 +117,7 @@ class Sac:
         """All networks by name."""
         return {
             "policy": self.policy,
+            "averaged": self.averaged,
             "critics": self.critics,
             "targets": self.targets,
             "temperature": self.temperature,
@@ -137,6 +144,7 @@ class Sac:
             nn.utils.clip_grad_norm_(network.parameters(), settings.clip)
         self.optimiser.step()
         self._move_targets()
+        self.averaged.update_parameters(self.policy)
         error = float((errors[0] + errors[1]).detach()) / 2
         return Losses(error, float(policy_loss.detach()), float(entropy.mean()), float(alpha))
 
@@ -157,6 +165,10 @@ class Sac:
             return seen, seen
         features = [choice.true_features for choice in choices]
         return seen, batch_of(features, [choice.true_neighbours for choice in choices], actions)
+
+    def _averaged(self, average: Tensor, present: Tensor, updates: Tensor | int) -> Tensor:
+        """Return the next average: that of all policies at first, later one that forgets the oldest."""
+        return average.lerp(present, max(1.0 - self.settings.average, 1.0 / (1.0 + float(updates))))
 
     @torch.no_grad()
     def _move_targets(self) -> None:

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
+from torch import nn
 
 from indoor_explorers.learners.attention.flights import Choice, drawn_task, fly, greedy
 from indoor_explorers.learners.attention.graph import GraphSettings
@@ -134,8 +135,11 @@ class AttentionTraining(Trainee):
 
     @property
     def loaded(self) -> Loaded:
-        """The present policy, as it flies."""
-        return Loaded(weights_of(self.sac.policy), self.config.network, self.config.graph)
+        """The present policy, as training flies it."""
+        return self._loaded(self.sac.policy)
+
+    def _loaded(self, policy: nn.Module) -> Loaded:
+        return Loaded(weights_of(policy), self.config.network, self.config.graph)
 
     def update(self) -> None:
         """Fly an episode, and make the updates that its choices pay for."""
@@ -164,8 +168,8 @@ class AttentionTraining(Trainee):
         )
 
     def evaluate(self) -> dict[str, int | float]:
-        """Fly greedily without the guard on tasks that training does not use."""
-        loaded, first = self.loaded, evaluation_seeds(self.seed)
+        """Fly the averaged policy greedily without the guard on tasks that training does not use."""
+        loaded, first = self._loaded(self.sac.averaged.module), evaluation_seeds(self.seed)
         found = []
         for seed in range(first, first + self.config.evaluation_episodes):
             world = drawn_task(self.maps, seed, self.config.graph)
@@ -182,8 +186,8 @@ class AttentionTraining(Trainee):
         return (evaluation["score"],)
 
     def keep(self, folder: Path) -> None:
-        """Write the present network."""
-        write_weights(folder / WEIGHTS, self.loaded)
+        """Write the averaged network."""
+        write_weights(folder / WEIGHTS, self._loaded(self.sac.averaged.module))
 
     def results(self) -> dict[str, Any]:
         """Return how much was flown and learned."""
