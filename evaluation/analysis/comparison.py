@@ -171,16 +171,20 @@ class Comparison:
 
     @cached_property
     def contrasts(self) -> dict[str, Contrast]:
-        """Steps and successes of the others against the best-ranked; empty where they did not fly the same tasks.
+        """Steps and successes of the others against the best-ranked, see :meth:`contrasts_with`."""
+        return self.contrasts_with(self.ranked_policies[0]) if self.groups else {}
 
-        All pairs of ranked policies are tested at once, since any could have come first. The others are a family of
-        their own, so that they do not change the p-values of the ranked.
+    def contrasts_with(self, first: str) -> dict[str, Contrast]:
+        """Return steps and successes of the others against a ranked policy; empty where they flew different tasks.
+
+        All pairs of ranked policies are tested at once, since any could have been chosen to be the first. The others
+        are a family of their own, so that they do not change the p-values of the ranked.
         """
         if not self.groups or not self.aligned:
             return {}
-        first = self.ranked_policies[0]
-        others = [policy for policy in self.ranking if policy not in self.ranked_policies]
-        return self._family(self.ranked_policies, chosen=True) | self._family([first, *others])
+        ranked = [first, *(policy for policy in self.ranked_policies if policy != first)]
+        others = [policy for policy in self.ranking if policy not in ranked]
+        return self._family(ranked, chosen=True) | self._family([first, *others])
 
     @cached_property
     def success_p_values(self) -> dict[str, float]:

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from indoor_explorers.env.files import written_whole
+from indoor_explorers.evaluation.analysis.best_planner import against_best_planner, write_best_planner
 from indoor_explorers.evaluation.analysis.reproduce import experiment_files
 from indoor_explorers.evaluation.analysis.tables.reported_table import reported_csv, reported_tables
 from indoor_explorers.evaluation.exports.figures import write_figures
@@ -35,15 +36,18 @@ def write_exports(results: Results, folder: Path, *, ratio_to: Sequence[str] | N
     write_ratios(ratios, tables / "ratios.csv")
     if by_origin := ratios_by_origin(ratios):
         write_origin_ratios(by_origin, tables / "ratios_by_origin.csv")
+    best = against_best_planner(results)
+    if best:
+        write_best_planner(best, tables / "best_planner.csv")
     write_differences(differences(results, ratios.to), tables / "differences.csv")
     texts = {folder / name: text for name, text in experiment_files(results).items()}
     shown = scenario_tables(results) + reported_tables(results)
     if results.reported:
         write_csv(reported_csv(results), tables / "reported.csv", "%.6g")
     texts |= {tables / "results.md": markdown_tables(shown), tables / "results.tex": latex_tables(shown)}
-    texts |= {tables / "ratios.md": markdown_ratios(ratios)}
+    texts |= {tables / "ratios.md": markdown_ratios(ratios, best)}
     for path, text in texts.items():
         with written_whole(path) as partial:
             partial.write_text(text, encoding="utf-8", newline="\n")
     write_planner_arena(results, folder / "planner-arena.db")
-    write_figures(results, folder / "figures")
+    write_figures(results, folder / "figures", best)

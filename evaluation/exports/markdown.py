@@ -6,7 +6,9 @@ import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
+from indoor_explorers.evaluation.analysis.best_planner import PlannerRow
 from indoor_explorers.evaluation.analysis.tables.origin_table import origin_tables
+from indoor_explorers.evaluation.analysis.tables.planner_table import planner_table
 from indoor_explorers.evaluation.analysis.tables.policy_names import footnotes, marked
 from indoor_explorers.evaluation.analysis.tables.ratio_table import bound_notes, ratio_tables
 from indoor_explorers.evaluation.drawing.table import Cell, Column, Row, Table
@@ -48,8 +50,8 @@ def escaped(text: str) -> str:
     return SPECIAL.sub(r"\\\1", " ".join(text.split())).replace("&", "&amp;").replace("<", "&lt;")
 
 
-def markdown_ratios(ratios: Ratios) -> str:
-    """Return a heading and a table of policies by scenarios for each baseline and time."""
+def markdown_ratios(ratios: Ratios, best_planner: Sequence[PlannerRow] = ()) -> str:
+    """Return a heading and a table of policies by scenarios for each baseline and time, and of the best planners."""
     tables, results = ratio_tables(ratios), ratios.results
     notes = [*bound_notes(ratios.rows), *footnotes(results, [row.name for t in tables for row in t.rows], times=False)]
     shown = [
@@ -61,10 +63,10 @@ def markdown_ratios(ratios: Ratios) -> str:
         )
         for table in tables
     ]
-    origins = origin_tables(ratios_by_origin(ratios))
+    by_policy = filter(None, [*origin_tables(ratios_by_origin(ratios)), planner_table(best_planner)])
     shown += [
         replace(table, columns=[Column(escaped(marked(results, each.title))) for each in table.columns])
-        for table in origins
+        for table in by_policy
     ]
     return "\n".join(
         [*(_section(table, lambda cell: cell.line) for table in shown), *(f"{escaped(note)}\n" for note in notes)]

@@ -20,12 +20,14 @@ from plotly.offline import get_plotlyjs
 
 from indoor_explorers.env.files import written_whole
 from indoor_explorers.evaluation.analysis.against import Against
+from indoor_explorers.evaluation.analysis.best_planner import against_best_planner
 from indoor_explorers.evaluation.analysis.comparison import Comparison
 from indoor_explorers.evaluation.analysis.facts import shown
 from indoor_explorers.evaluation.analysis.failures import ending
 from indoor_explorers.evaluation.analysis.panels import sweep_sections
 from indoor_explorers.evaluation.analysis.shown_best import BOLD
 from indoor_explorers.evaluation.analysis.tables.origin_table import origin_tables
+from indoor_explorers.evaluation.analysis.tables.planner_table import planner_table
 from indoor_explorers.evaluation.analysis.tables.ratio_table import bound_notes, ratio_tables
 from indoor_explorers.evaluation.drawing.dot_plots import swatch
 from indoor_explorers.evaluation.drawing.formatting import counted, percent, seed_span
@@ -127,6 +129,7 @@ class _Page:
             "overview": overview(results, comparisons, styles),
             "against": against,
             "ratios": ratio_tables(ratios),
+            "best_planner": planner_table(against_best_planner(results)),
             "origin_ratios": origin_tables(ratios_by_origin(ratios)),
             "ratio_notes": bound_notes(ratios.rows),
             "sweeps": sweep_sections(common, styles),

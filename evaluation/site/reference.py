@@ -15,6 +15,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from indoor_explorers.env import Scenario
+from indoor_explorers.evaluation.analysis.best_planner import PLANNER_COLUMNS
 from indoor_explorers.evaluation.analysis.tables.reported_table import COLUMNS as REPORTED_COLUMNS
 from indoor_explorers.evaluation.cli.parser import build_parser
 from indoor_explorers.evaluation.exports.episodes.csv_tables import COLUMNS as STEP_COLUMNS
@@ -84,6 +85,10 @@ def files_page() -> str:
         "tables/ratios_by_origin.csv": (
             "where maps are of several kinds or sources, the same on the maps of each",
             ORIGIN_COLUMNS,
+        ),
+        "tables/best_planner.csv": (
+            "where learners and planners flew several scenarios, steps as ratios to the best planner of each",
+            PLANNER_COLUMNS,
         ),
         "tables/differences.csv": ("steps minus a baseline's, paired", DIFFERENCE_COLUMNS),
         "tables/reported.csv": (

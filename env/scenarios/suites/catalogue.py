@@ -18,9 +18,12 @@ FOLDER = Path(__file__).parent
 
 @lru_cache(maxsize=1)
 def all_suites() -> tuple[Suite, ...]:
-    """Return every version of every suite by name, the latest version of each first."""
+    """Return every version of every suite by name, the latest version of each first, those of listed scenarios last.
+
+    Results that are of two suites, as those of a single scenario of the last ones can be, are thus of the first.
+    """
     found = [validated(Suite, read_toml(path), path.name) for path in FOLDER.glob("*.toml")]
-    return tuple(sorted(found, key=lambda suite: (suite.name, -suite.version)))
+    return tuple(sorted(found, key=lambda suite: (bool(suite.listed), suite.name, -suite.version)))
 
 
 def suites() -> dict[str, Suite]:
@@ -83,7 +86,7 @@ def digests_of(name: str) -> list[str]:
     if not slash:
         return [name]
     suite = suite_of(title)
-    if part not in list(Part) or suite.map is not None or not suite.has(Part(part)):
+    if part not in list(Part) or suite.generated or not suite.has(Part(part)):
         raise InputError(f"expected a part of a suite of map files, such as 'floors/train', got {name!r}")
     mine = (each for each in all_suites() if each.name == title)
     entries = [entry for each in mine for _, entry in each.maps(Part(part))]

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from indoor_explorers.env.errors import InputError, did_you_mean
 from indoor_explorers.env.maps.sources import FileMaps, MapSource
+from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.scenarios.suites.suite import Part, Repository, Suite, SuiteMap, digest_of
 
 Located = tuple[Repository, SuiteMap, Path | None]
@@ -45,17 +46,55 @@ def how_to_fetch(home: Repository) -> str:
     return f"git clone {home.url} && git -C {home.name} checkout {home.commit}"
 
 
+def scenarios_of(
+    suite: Suite,
+    part: Part,
+    data: Sequence[Path],
+    *,
+    only: Sequence[str] = (),
+    teams: Iterable[int] | None = None,
+    radios: Iterable[str] | None = None,
+    names: Sequence[str] | None = None,
+) -> list[Scenario]:
+    """Return the scenarios of a part with their maps, all of them or those of some teams, radios and names.
+
+    Raises:
+        InputError: as :func:`maps_of`; or a name is no scenario of the suite.
+
+    """
+    maps = None if suite.listed else maps_of(suite, part, data, only)
+    known = {each.name: each for each in suite.scenarios(maps, teams, radios)}
+    for name in names or ():
+        if name not in known:
+            raise InputError(f"suite {suite.name!r} has no scenario {name!r}{did_you_mean(name, known)}")
+    chosen = [each for name, each in known.items() if names is None or name in names]
+    if suite.listed:
+        _refuse_absent(suite, part)
+        _refuse_choice(suite, only)
+        _check_generators(suite, part, chosen)
+    return chosen
+
+
+def _check_generators(suite: Suite, part: Part, scenarios: Iterable[Scenario]) -> None:
+    found: dict[str, str] = {}
+    for each in scenarios:
+        key, entry = each.map.model_dump_json(), suite.listed[each.name.removeprefix(f"{suite.name}-")]
+        if key not in found:
+            found[key] = digest_of(each.map, suite.seeds(part))
+        _refuse_other_map(suite, f"the {part} part of {each.name}", entry.digests[part], found[key])
+
+
 def maps_of(suite: Suite, part: Part, data: Sequence[Path], only: Sequence[str] = ()) -> MapSource:
     """Return the source of the maps of a part, all of them or those whose names or buildings match a pattern.
 
     Raises:
-        InputError: the suite lacks the part, files are missing or differ from the suite's, or maps are read or drawn
-            differently.
+        InputError: the suite lacks the part or has several generators, files are missing or differ from the suite's, or
+            maps are read or drawn differently.
 
     """
-    if not suite.has(part):
-        parts = " or ".join(each for each in Part if suite.has(each))
-        raise InputError(f"suite {suite.name!r} has no {part} part; ask for its {parts} part")
+    _refuse_absent(suite, part)
+    if suite.listed:
+        raise InputError(f"suite {suite.name!r} has maps of several generators; name a scenario of it instead")
     if suite.map is not None:
         return _checked_generator(suite, part, only)
     found = _matching(suite, part, list(located(suite, part, data)), only)
@@ -73,11 +112,21 @@ def maps_of(suite: Suite, part: Part, data: Sequence[Path], only: Sequence[str] 
 
 def _checked_generator(suite: Suite, part: Part, only: Sequence[str]) -> MapSource:
     assert suite.map is not None
-    if only:
-        raise InputError(f"suite {suite.name!r} generates its maps; leave --maps out, or ask for fewer --episodes")
+    _refuse_choice(suite, only)
     digest = digest_of(suite.map, suite.seeds(part))
     _refuse_other_map(suite, f"its {part} part", suite.parts[part].digest, digest)
     return suite.map
+
+
+def _refuse_absent(suite: Suite, part: Part) -> None:
+    if not suite.has(part):
+        parts = " or ".join(each for each in Part if suite.has(each))
+        raise InputError(f"suite {suite.name!r} has no {part} part; ask for its {parts} part")
+
+
+def _refuse_choice(suite: Suite, only: Sequence[str]) -> None:
+    if only:
+        raise InputError(f"suite {suite.name!r} generates its maps; leave --maps out, or ask for fewer --episodes")
 
 
 def _matching(suite: Suite, part: Part, found: list[Located], only: Sequence[str]) -> list[Located]:

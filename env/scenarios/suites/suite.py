@@ -83,8 +83,24 @@ class GeneratedPart(_Table):
 
     maps: int = Field(ge=1)
     """Number of maps."""
-    digest: str
-    """:func:`digest_of` the maps, which detects a changed generator."""
+    digest: str = ""
+    """:func:`digest_of` the maps, which detects a changed generator; empty where each scenario has its own."""
+
+
+class ListedScenario(_Table):
+    """A scenario of a suite whose scenarios differ in more than team and radio."""
+
+    preset: str
+    """The scenario that it is a variant of."""
+    settings: dict[str, Any] = {}
+    """Changed settings of that scenario, by dotted keys."""
+    digests: dict[Part, str]
+    """:func:`digest_of` the maps of each part, which detects a changed generator."""
+
+    def named(self, name: str) -> Scenario:
+        """Return the scenario as comparisons fly it."""
+        changed = scenario(self.preset).for_evaluation().with_settings(self.settings)
+        return changed.model_copy(update={"name": name})
 
 
 class Suite(_Table):
@@ -103,7 +119,7 @@ class Suite(_Table):
     """Changed settings of that scenario, by dotted keys."""
     teams: tuple[int, ...] = (1, 2, 4)
     """Numbers of UAVs."""
-    radios: dict[str, Radio]
+    radios: dict[str, Radio] = {}
     """Radios of teams by name; one UAV flies without."""
     starts: int = Field(1, ge=1)
     """Seeds flown on each map."""
@@ -112,14 +128,21 @@ class Suite(_Table):
     repositories: tuple[Repository, ...] = ()
     map: Annotated[MapSource, Field(discriminator="source")] | None = None
     """The generator; None where maps are files."""
+    listed: dict[str, ListedScenario] = Field({}, alias="scenarios")
+    """The scenarios by the end of their names, where they are not variants of one, each with maps of its own."""
     parts: dict[Part, GeneratedPart] = {}
-    """The generated maps by part."""
+    """The generated maps by part, of each scenario where these are listed."""
 
     @model_validator(mode="after")
     def _has_maps(self) -> Self:
-        if bool(self.repositories) == (self.map is not None):
-            raise ValueError(f"suite {self.name!r} needs map files of repositories or a generator, and not both")
+        if sum(map(bool, (self.repositories, self.map, self.listed))) != 1:
+            raise ValueError(f"suite {self.name!r} needs one of map files of repositories, a generator, and scenarios")
         return self
+
+    @property
+    def generated(self) -> bool:
+        """Whether the maps are made from seeds."""
+        return not self.repositories
 
     @property
     def title(self) -> str:
@@ -132,11 +155,11 @@ class Suite(_Table):
 
     def has(self, part: Part) -> bool:
         """Return whether a part has maps; a suite for a final test has none to train or validate on."""
-        return part in self.parts if self.map is not None else any(self.maps(part))
+        return part in self.parts if self.generated else any(self.maps(part))
 
     def map_count(self, part: Part) -> int:
-        """Return the number of maps of a part."""
-        return self.parts[part].maps if self.map is not None else sum(1 for _ in self.maps(part))
+        """Return the number of maps of a part, of each scenario where these are listed."""
+        return self.parts[part].maps if part in self.parts else sum(1 for _ in self.maps(part))
 
     def buildings(self, part: Part) -> set[str]:
         """Return the buildings of a part; none where maps are generated."""
@@ -145,11 +168,11 @@ class Suite(_Table):
     def seeds(self, part: Part) -> range:
         """Return the seeds that are flown on each map, or those of the generated maps."""
         first = seeds_of(part).first
-        return range(first, first + (self.starts if self.map is None else self.parts[part].maps))
+        return range(first, first + (self.map_count(part) if self.generated else self.starts))
 
     def task_count(self, part: Part) -> int:
         """Return the number of tasks of a part: scenarios x maps x starts."""
-        return len(self.scenarios()) * len(self.seeds(part)) * (1 if self.map is not None else self.map_count(part))
+        return len(self.scenarios()) * len(self.seeds(part)) * (1 if self.generated else self.map_count(part))
 
     def scenarios(
         self, maps: MapSource | None = None, teams: Iterable[int] | None = None, radios: Iterable[str] | None = None
@@ -157,11 +180,14 @@ class Suite(_Table):
         """Return the scenarios as comparisons fly them, all of them or those of some teams and radios.
 
         Args:
-            maps: The source of maps; None for the generator, or for a placeholder of map files.
+            maps: The source of maps; None for the generators, or for a placeholder of map files.
             teams: Numbers of UAVs.
-            radios: Names of radios; scenarios of one UAV have none.
+            radios: Names of radios; scenarios of one UAV and listed ones have none.
 
         """
+        if self.listed:
+            made = [each.named(f"{self.name}-{name}") for name, each in self.listed.items()]
+            return [each for each in made if teams is None or each.team in teams]
         source = maps or self.map or FileMaps(paths=(self.name,), resolution=self.resolution)
         base = on_maps(self.name, source) if self.preset is None else scenario(self.preset)
         task = base.model_copy(update={"map": source}).for_evaluation().with_settings(self.settings)

@@ -10,7 +10,7 @@ from indoor_explorers.env import InputError, Scenario
 from indoor_explorers.env.errors import did_you_mean
 from indoor_explorers.env.scenarios.presets import on_files
 from indoor_explorers.env.scenarios.suites.catalogue import suite_of
-from indoor_explorers.env.scenarios.suites.clones import maps_of
+from indoor_explorers.env.scenarios.suites.clones import scenarios_of
 from indoor_explorers.env.scenarios.suites.suite import Part, Suite
 from indoor_explorers.env.scenarios.validation import read_toml, validated
 from indoor_explorers.evaluation.harness.experiment.experiment import Experiment, build_experiment
@@ -100,7 +100,7 @@ def _scenarios(request: ComparisonRequest, file: ComparisonRequest, folder: Path
 
 
 #: Options that would make other tasks than those of the suite.
-FIXED = {"scenario": "--scenario", "resolution": "--resolution", "seed": "--seed", "settings": "--set"}
+FIXED = {"resolution": "--resolution", "seed": "--seed", "settings": "--set"}
 #: Options that mean nothing without a suite.
 OF_SUITES = {"part": "--part", "data": "--data", "radio": "--radio"}
 
@@ -128,20 +128,27 @@ def suite_experiment(request: ComparisonRequest, policies: Sequence[Any], margin
     episodes = len(seeds) if request.episodes is None else request.episodes
     if episodes > len(seeds):
         raise InputError(
-            f"suite {suite.name!r} has {len(seeds)} episodes a {'map' if suite.map is None else 'scenario'} in its "
+            f"suite {suite.name!r} has {len(seeds)} episodes a {'scenario' if suite.generated else 'map'} in its "
             f"{part} part, got --episodes {episodes}; ask for fewer"
         )
     _refuse_unknown(suite, request)
-    maps = maps_of(suite, part, request.data, request.maps)
-    teams = None if request.team is None else [request.team]
-    scenarios = suite.scenarios(maps, teams, request.radio)
+    scenarios = scenarios_of(
+        suite,
+        part,
+        request.data,
+        only=request.maps,
+        teams=None if request.team is None else [request.team],
+        radios=request.radio,
+        names=request.scenario,
+    )
     return build_experiment(policies, scenarios, episodes=episodes, seed=seeds[0], margin=margin, settings={})
 
 
 def _refuse_unknown(suite: Suite, request: ComparisonRequest) -> None:
     """Refuse teams and radios that the suite does not have."""
-    if request.team is not None and request.team not in suite.teams:
-        listed = ", ".join(map(str, suite.teams))
+    teams = sorted({scenario.team for scenario in suite.scenarios()})
+    if request.team is not None and request.team not in teams:
+        listed = ", ".join(map(str, teams))
         raise InputError(
             f"suite {suite.name!r} has teams of {listed} UAVs, got --team {request.team}; ask for one of them"
         )

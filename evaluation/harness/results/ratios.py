@@ -114,8 +114,12 @@ class Ratios:
 
     def _rows(self, to: str, metric: str) -> list[RatioRow]:
         flown = [name for name in self.results.scenarios if self._counts(name, to, metric)]
-        rows = [row for name in flown for row in self._family([name], name, to, metric)]
+        rows = [row for name in flown for row in self.of_scenario(name, to, metric)]
         return rows + (self._pooled(flown, to, metric) if len(flown) > 1 else [])
+
+    def of_scenario(self, scenario: str, to: str, metric: str) -> list[RatioRow]:
+        """Compare the policies on one scenario with one that flew it."""
+        return self._family([scenario], scenario, to, metric)
 
     def _counts(self, scenario: str, to: str, metric: str) -> bool:
         """Return whether there is something to compare: common tasks, and a goal not below the threshold."""

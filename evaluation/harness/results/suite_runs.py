@@ -81,10 +81,11 @@ def suite_run_of(
 
 def _name_in(suite: Suite, stored: Mapping[str, Any]) -> str:
     """Return the name that a suite gives to a scenario, empty where it is none of it."""
-    if outside_names(stored, MODELS) or (suite.map is not None and not _is_generator(suite.map, stored["map"])):
+    if outside_names(stored, MODELS):
         return ""
-    settings = _settings(recorded_scenario(stored))
-    return next((each.name for each in suite.scenarios() if _settings(each) == settings), "")
+    possible = [each for each in suite.scenarios() if not suite.generated or _is_generator(each.map, stored["map"])]
+    settings = _settings(recorded_scenario(stored)) if possible else {}
+    return next((each.name for each in possible if _settings(each) == settings), "")
 
 
 def _is_generator(maps: BaseMaps, stored: Mapping[str, Any]) -> bool:
@@ -101,10 +102,10 @@ def _settings(scenario: Scenario) -> dict[str, Any]:
 
 
 def _task(suite: Suite, names: Mapping[str, str], record: Record) -> SuiteTask:
-    digest = record.floorplan.digest if suite.map is None else ""
+    digest = "" if suite.generated else record.floorplan.digest
     return SuiteTask(names[record.task.scenario], digest, record.task.seed)
 
 
 def _are_of(suite: Suite, part: Part, tasks: set[SuiteTask]) -> bool:
-    digests = {each.digest for _, each in suite.maps(part)} if suite.map is None else {""}
+    digests = {""} if suite.generated else {each.digest for _, each in suite.maps(part)}
     return all(task.seed in suite.seeds(part) and task.digest in digests for task in tasks)

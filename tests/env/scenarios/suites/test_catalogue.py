@@ -29,6 +29,8 @@ CLONES = Path(os.environ.get("SUITE_DATA", "no-folder"))
 USES = {Part.TRAIN: SeedUse.TRAINING, Part.VALIDATION: SeedUse.VALIDATION, Part.TEST: SeedUse.TEST}
 #: Suites for a final test alone.
 FINAL = {"buildings"}
+#: The parts of suites that lack some.
+PARTS = {"buildings": {Part.TEST}, "atlas": {Part.VALIDATION, Part.TEST}}
 #: Suites whose maps are of buildings that may have several floors.
 BUILDINGS = {"buildings", "floors"}
 #: Repositories whose maps this project had met before the suite buildings was made, in suites or elsewhere.
@@ -54,6 +56,7 @@ CONTENTS = {
     "ir2-corridor 1": "f751487f1c129efa",
     "ir2-hybrid 1": "69b6f5d0dc25690e",
     "rooms 1": "b501cb3e625b5e57",
+    "atlas 1": "2288a09cc7d340cf",
 }
 ALL = pytest.mark.parametrize("suite", all_suites(), ids=lambda suite: suite.title)
 
@@ -77,8 +80,9 @@ def contents(suite: Suite) -> str:
         scenario.model_dump(mode="json", exclude_defaults=True, exclude={"map"}) for scenario in suite.scenarios()
     ]
     maps = {part: [(each.building, each.digest) for _, each in suite.maps(part)] for part in Part}
-    seeds = {part: [suite.seeds(part)[0], len(suite.seeds(part))] for part in Part}
-    drawn = {part: each.digest for part, each in suite.parts.items()}
+    seeds = {part: [*suite.seeds(part)[:1], len(suite.seeds(part))] for part in Part}
+    drawn: dict[str, object] = {part: each.digest for part, each in suite.parts.items()}
+    drawn |= {name: each.digests for name, each in suite.listed.items()}
     told = json.dumps([settings, maps, seeds, drawn, suite.resolution], sort_keys=True)
     return hashlib.sha256(told.encode()).hexdigest()[:16]
 
@@ -95,12 +99,12 @@ def test_parts_share_no_building_no_map_and_no_seed(suite: Suite):
         [sha for each in every for sha in each.files.values()],
     ):
         assert len(values) == len(set(values))
-    assert {each.part for each in every} == (set() if suite.map else parts_of(suite))
+    assert {each.part for each in every} == (set() if suite.generated else parts_of(suite))
 
 
 def parts_of(suite: Suite) -> set[Part]:
     """The parts that a suite must have."""
-    return {Part.TEST} if suite.name in FINAL else set(Part)
+    return PARTS.get(suite.name, set(Part))
 
 
 @ALL
@@ -108,12 +112,15 @@ def test_a_part_is_flown_on_seeds_of_its_use(suite: Suite):
     assert {part for part in Part if suite.has(part)} == parts_of(suite)
     for part in Part:
         assert (suite.map_count(part) > 0) is suite.has(part)
+    for part in parts_of(suite) if suite.generated else Part:
         assert use_of(suite.seeds(part)) is USES[part]
 
 
 @ALL
 def test_checksums_and_names_are_whole(suite: Suite):
-    assert set(suite.parts) == (set(Part) if suite.map else set())
+    assert set(suite.parts) == (parts_of(suite) if suite.generated else set())
+    assert all(bool(part.digest) is not bool(suite.listed) for part in suite.parts.values())
+    assert all(set(each.digests) == parts_of(suite) for each in suite.listed.values())
     for home in suite.repositories:
         assert home.url.startswith("https://github.com/")
         assert len(home.commit) == 40
@@ -137,6 +144,13 @@ def test_generators_draw_the_maps_that_the_suites_have(name: str):
     suite = suite_of(name)
     assert suite.map is not None
     assert digest_of(suite.map, suite.seeds(Part.VALIDATION)) == suite.parts[Part.VALIDATION].digest
+
+
+def test_generators_draw_the_maps_that_listed_scenarios_have():
+    atlas = suite_of("atlas")
+    for scenario in atlas.scenarios(teams=[2, 8]):
+        entry = atlas.listed[scenario.name.removeprefix("atlas-")]
+        assert digest_of(scenario.map, atlas.seeds(Part.VALIDATION)) == entry.digests[Part.VALIDATION]
 
 
 @pytest.mark.parametrize("name", ["rooms", "floors-generated"])
@@ -198,9 +212,13 @@ def test_floors_of_one_building_have_one_label():
 
 
 def test_manifests_that_have_maps_twice_or_not_at_all_are_refused():
-    told = suite_of("rooms").model_dump(exclude={"map"})
-    with pytest.raises(ValueError, match="needs map files of repositories or a generator, and not both"):
+    told = suite_of("rooms").model_dump(by_alias=True, exclude={"map"})
+    with pytest.raises(ValueError, match="needs one of map files of repositories, a generator, and scenarios"):
         Suite.model_validate(told)
+    listed = suite_of("atlas").model_dump(by_alias=True)
+    assert Suite.model_validate(listed) == suite_of("atlas")
+    with pytest.raises(ValueError, match="needs one of"):
+        Suite.model_validate(listed | {"map": suite_of("rooms").map})
 
 
 @pytest.mark.parametrize("name", FOLDERS)

@@ -38,6 +38,8 @@ def test_some_of_a_suite(tiny: Path):
     assert [scenario.name for scenario in planned(suite="tiny", data=tiny, team=2, radio="none").scenarios] == [
         "tiny-2-none"
     ]
+    named = planned(suite="tiny", data=tiny, scenario=["tiny-2-disc", "tiny-1"]).scenarios
+    assert [scenario.name for scenario in named] == ["tiny-1", "tiny-2-disc"]
 
 
 def test_policies_of_an_experiment_file_fly_a_suite(tiny: Path, tmp_path: Path):
@@ -57,10 +59,38 @@ def test_a_generated_suite_needs_no_data():
     assert (rooms.seed, rooms.episodes) == (31_000_000, 100)
 
 
+def test_listed_scenarios_have_maps_of_their_own():
+    some = planned(suite="atlas", part="validation", team=8, episodes=3)
+    assert [(scenario.name, scenario.map.source) for scenario in some.scenarios] == [("atlas-floor-8", "floors")]
+    assert (some.seed, some.episodes) == (31_000_000, 3)
+    two = planned(suite="atlas", part="validation", scenario=["atlas-home", "atlas-drift"]).scenarios
+    assert [(scenario.map.source, scenario.drift.rate) for scenario in two] == [("homes", 0.0), ("floors", 0.002)]
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"scenario": "office"}, "suite 'tiny' has fixed tasks; leave --scenario out"),
+        ({"maps": ["a"]}, "suite 'atlas' generates its maps; leave --maps out"),
+        ({"part": "train"}, "suite 'atlas' has no train part; ask for its validation or test part"),
+        ({"radio": "disc"}, "suite 'atlas' has no radio 'disc'"),
+        ({"team": 3}, "suite 'atlas' has teams of 1, 2, 4, 8 UAVs, got --team 3"),
+    ],
+)
+def test_what_listed_scenarios_do_not_have_is_told_in_a_line(options, message):
+    with pytest.raises(InputError, match=message):
+        planned(suite="atlas", **options)
+
+
+def test_a_listed_scenario_of_another_generator_is_refused(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr("indoor_explorers.env.scenarios.suites.clones.digest_of", lambda maps, seeds: "0" * 16)
+    with pytest.raises(InputError, match="atlas 1: the test part of atlas-home is not what it was"):
+        planned(suite="atlas", scenario="atlas-home")
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"scenario": "office"}, "suite 'tiny' has no scenario 'office'; known: tiny-1, tiny-2-disc, tiny-2-none"),
         ({"settings": {"goal": 0.9}}, "suite 'tiny' has fixed tasks; leave --set out"),
         ({"seed": 3}, "leave --seed out"),
         ({"resolution": 0.5}, "leave --resolution out"),

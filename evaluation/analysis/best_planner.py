@@ -1,0 +1,77 @@
+"""Every policy against the best planner of each scenario: where learning pays, and where it does not.
+
+The best planner of a scenario is the ranked policy without trained weights that has the lowest mean time there. It is
+chosen by the same episodes, so all pairs of policies are tested at once, as any planner could have been the best.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from indoor_explorers.evaluation.analysis.comparison import Comparison
+from indoor_explorers.evaluation.harness.results.ratios import COLUMNS, RatioRow, Ratios
+from indoor_explorers.evaluation.harness.results.results import Results, write_csv
+from indoor_explorers.evaluation.statistics import Contrast
+
+#: The columns of best_planner.csv: those of ratios.csv, and what is shown.
+PLANNER_COLUMNS = (*COLUMNS, "shown", "tasks_needed")
+
+
+@dataclass(frozen=True)
+class AgainstPlanner:
+    """A policy against the best planner of a scenario."""
+
+    row: RatioRow
+    """Steps to the threshold of the scenario, divided by the planner's."""
+    contrast: Contrast | None
+    """What tests show; None where not all flew the same tasks."""
+
+    def cells(self) -> dict[str, Any]:
+        """Return the row of best_planner.csv."""
+        shown, needed = (self.contrast.finding, self.contrast.needed) if self.contrast else ("", float("nan"))
+        return {**self.row.cells(), "shown": str(shown), "tasks_needed": needed}
+
+
+@dataclass(frozen=True)
+class PlannerRow:
+    """One scenario."""
+
+    comparison: Comparison
+    planner: str
+    """Its best planner."""
+    others: Mapping[str, AgainstPlanner]
+    """All other policies by name."""
+
+
+def is_learner(facts: Mapping[str, Any]) -> bool:
+    """Return whether stored facts are those of a policy with trained weights, which its provenance names."""
+    return any(key.startswith("weights") for key in facts)
+
+
+def against_best_planner(results: Results) -> list[PlannerRow]:
+    """Return a row for each scenario that planners have flown; empty where no learner, or only one scenario, was."""
+    common = results.on_common_tasks
+    learners = {name for name, facts in results.policies.items() if is_learner(facts)}
+    rows = [_row(Comparison(common, name), learners) for name in common.scenarios]
+    found = [row for row in rows if row is not None]
+    return found if len(found) > 1 and any(learners & set(row.others) for row in found) else []
+
+
+def _row(comparison: Comparison, learners: set[str]) -> PlannerRow | None:
+    planners = [name for name in comparison.ranking if comparison.ranked(name) and name not in learners]
+    if not planners:
+        return None
+    best, contrasts = planners[0], comparison.contrasts_with(planners[0])
+    rows = Ratios(comparison.results, [best]).of_scenario(comparison.scenario, best, comparison.level.key)
+    return PlannerRow(comparison, best, {row.policy: AgainstPlanner(row, contrasts.get(row.policy)) for row in rows})
+
+
+def write_best_planner(rows: Sequence[PlannerRow], path: Path) -> None:
+    """Write best_planner.csv; equal results give equal bytes."""
+    cells = [each.cells() for row in rows for each in row.others.values()]
+    write_csv(pd.DataFrame(cells, columns=list(PLANNER_COLUMNS)), path, "%.6g")
