@@ -28,7 +28,7 @@ PRINTED = {f"{path.stem}-{number}": text for path in PAGES for number, text in e
 #: A script that trains for long; test_tabular_pictures.py trains with its functions, and compares what the page says.
 LONG = ("tabular-0",)
 #: Spares a comparison the figures for print, which would take most of its time.
-NO_FIGURES = "from indoor_explorers.evaluation import exports; exports.write_figures = lambda results, folder, best_planner: []\n"
+NO_FIGURES = "from indoor_explorers.evaluation import exports; exports.write_figures = lambda *_: []\n"
 COMPARISONS = [name for name, text in SNIPPETS.items() if "compare(" in text]
 
 

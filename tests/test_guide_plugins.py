@@ -20,7 +20,7 @@ def folder(tmp_path, monkeypatch):
     (tmp_path / name).write_text(text)
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "path", [*sys.path])
-    monkeypatch.setattr(exports, "write_figures", lambda results, folder, best_planner: [])  # test_commands.py draws them
+    monkeypatch.setattr(exports, "write_figures", lambda *_: [])  # test_commands.py draws them
     monkeypatch.setattr(driver, "found_in_flights", lambda *_: {})  # test_plugin_checks.py has them
     monkeypatch.setattr(driver, "with_failed_checks", lambda experiment, about, stored, loader: dict(about))
     yield tmp_path

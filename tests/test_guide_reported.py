@@ -23,7 +23,7 @@ def write_example(folder):
 def test_the_example_is_imported_and_shown(tmp_path, monkeypatch, capsys):
     write_example(tmp_path)
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(exports, "write_figures", lambda results, folder, best_planner: [])  # test_reported.py draws them
+    monkeypatch.setattr(exports, "write_figures", lambda *_: [])  # test_reported.py draws them
     for words in COMMANDS:
         assert main(words.replace("--episodes 5", "--episodes 3 --workers 0").split()) == 0, capsys.readouterr().err
     printed = " ".join(capsys.readouterr().out.split())

@@ -29,7 +29,7 @@ def installed(tmp_path_factory):
 
 
 #: Spares a comparison the figures for print, which would take most of its time.
-NO_FIGURES = "from indoor_explorers.evaluation import exports; exports.write_figures = lambda results, folder, best_planner: []\n"
+NO_FIGURES = "from indoor_explorers.evaluation import exports; exports.write_figures = lambda *_: []\n"
 
 
 #: Runs the command lines given as JSON one after the other; prints the status and the output of each as JSON.
