@@ -22,6 +22,9 @@ from indoor_explorers.learners.sessions.record import RecordedWeights, digest_of
 from indoor_explorers.planners.toolbox.navigation.teammates import claims, remembered
 from indoor_explorers.planners.toolbox.networks.tensors import WEIGHTS
 
+#: The weights that ship, by the seed of their training.
+SHIPPED = {seed: Path(__file__).parent / "weights" / f"attention-{seed}.safetensors" for seed in (1, 2, 3)}
+
 
 class AttentionPilot(NodePilot):
     """Choose among the neighbours of the UAV's node, fly to the chosen one, and choose again there.
@@ -29,22 +32,38 @@ class AttentionPilot(NodePilot):
     Args:
         briefing: Briefing of the UAV.
         loaded: The network.
-        guard: Whether to fly to the nearest frontier after a long flight without new cells.
+        guard: Whether to choose no node twice while the map does not grow, and to fly to the nearest frontier where the
+            UAV oscillates and after a long flight without new cells.
 
     """
 
     def __init__(self, briefing: Briefing, loaded: Loaded, *, guard: bool) -> None:
         super().__init__(briefing, patience=PATIENCE if guard else inf)
-        self._loaded = loaded
+        self._loaded, self._guard = loaded, guard
+        self._chosen: list[int] = []
+        """Cells of the nodes that were chosen since the map last grew."""
+
+    def on_map_growth(self, view: View) -> None:
+        """Forget which nodes were chosen."""
+        super().on_map_growth(view)
+        self._chosen = []
 
     def chosen_node(self, view: View) -> Cell | None:
-        """Return the neighbour with the highest score."""
+        """Return the neighbour with the highest score; with the guard, one that was not chosen since the map grew.
+
+        The guard leaves a UAV that oscillates without a choice.
+        """
+        if self._guard and self.navigator.oscillates:
+            return None
         graph = self.observe(view)
         options = graph.neighbours[0]
         allowed = (options >= 0) & ~self.near_banned(view, graph.cells[options])
+        if self._guard:
+            allowed &= ~np.isin(graph.cells[options], self._chosen)
         if not allowed.any() or not graph.features[:, USEFUL].any():
             return None
-        return divmod(int(graph.cells[options[self.pick(view, graph, allowed)]]), self.paths.width)
+        self._chosen.append(int(graph.cells[options[self.pick(view, graph, allowed)]]))
+        return divmod(self._chosen[-1], self.paths.width)
 
     def is_spent(self, view: View, goal: Cell) -> bool:
         """Tell whether the goal is reached, or the map has grown and no unknown cell is in view of it any more."""
@@ -86,25 +105,31 @@ class AttentionSac(RecordedWeights, Policy):
     own map, with the same weights. Only the draws among equally near frontier cells and of deadlocks are random.
 
     Raises:
-        InputError: ``weights`` is missing or not a file of this network.
+        InputError: ``weights`` is missing or not a file of this network, or no weights ship of that ``training``.
 
     """
 
     plans_for: ClassVar[str] = TRAINED_GOAL
 
-    weights: str
-    """Path of a training's folder or weights."""
+    weights: str | None = None
+    """Path of a training's folder or weights; None: shipped ones."""
+    training: int = 1
+    """Seed of the training whose weights ship: 1, 2 or 3."""
     guard: bool = True
-    """Fly to the nearest frontier after a flight of six lidar ranges without new cells."""
+    """Choose no node twice while the map does not grow, and fly to the nearest frontier when oscillating between two
+    cells, and after a flight of six lidar ranges without new cells."""
 
     def __post_init__(self) -> None:
-        if not self.weights:
-            raise InputError("expected the folder of a training, as in attention:DIR, got none")
+        if self.training not in SHIPPED:
+            known = ", ".join(map(str, SHIPPED))
+            raise InputError(f"AttentionSac: expected training to be one of {known}, got {self.training!r}")
         load_weights(self.path)
 
     @property
     def path(self) -> Path:
         """The path of the weights."""
+        if self.weights is None:
+            return SHIPPED[self.training]
         given = expanded(self.weights)
         return given / WEIGHTS if given.is_dir() else given
 

@@ -44,6 +44,7 @@ SLOW_CONFORMANCE = [
     "frontier-predictive",
     "tours",
     "dddqn-places",
+    "attention-sac",
     "pomdp",
     "bat",
     *AS_FRONTIER,
@@ -51,7 +52,7 @@ SLOW_CONFORMANCE = [
 ]
 #: Those that fly the failure modes apart, as `make test` does not fly them through the conformance suite; those whose
 #: decisions take longest, and others with other radios, do so in `make test-all`.
-FAILURE_MODES_APART = ("rrt-nbv", "frontier-predictive", "tours", "dddqn-places", "pomdp", "bat")
+FAILURE_MODES_APART = ("rrt-nbv", "frontier-predictive", "tours", "dddqn-places", "attention-sac", "pomdp", "bat")
 #: The policies that fly the office and a real map in `make test`: one of each family; `make test-all` flies the others.
 OFFICE = ("frontier-nearest", "frontier-predictive", "pso", "dddqn")
 some_explorers = parametrized(EXPLORERS, slow=[name for name in EXPLORERS if name not in OFFICE])

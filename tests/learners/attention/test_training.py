@@ -10,13 +10,15 @@ import pytest
 import torch
 
 from indoor_explorers.env import InputError, World, scenario
+from indoor_explorers.env.grid.arrays import Mask
 from indoor_explorers.env.policies.view import View
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
+from indoor_explorers.evaluation.harness.episodes.stalling import longest_run
 from indoor_explorers.learners.attention.flights import drawn_task, fly
-from indoor_explorers.learners.attention.graph import FEATURES, TRUE_FEATURES, GraphSettings
+from indoor_explorers.learners.attention.graph import FEATURES, TRUE_FEATURES, Graph, GraphSettings
 from indoor_explorers.learners.attention.model import PolicyNet, weights_of
-from indoor_explorers.learners.attention.network import Loaded, NetworkSettings, write_weights
-from indoor_explorers.learners.attention.policy import AttentionPilot, AttentionSac, opened
+from indoor_explorers.learners.attention.network import Loaded, NetworkSettings, load_weights, write_weights
+from indoor_explorers.learners.attention.policy import SHIPPED, AttentionPilot, AttentionSac, opened
 from indoor_explorers.learners.attention.train import TrainingConfig, train
 from indoor_explorers.learners.pockets.maps import TrainingMaps
 from indoor_explorers.learners.sessions.session import Progress
@@ -137,6 +139,37 @@ def test_a_goal_is_given_up_once_nothing_unknown_is_in_view_of_it(
     assert (False, True) not in ends
     assert (False, False) in ends
     assert (True, False) in ends
+
+
+def test_the_guard_lets_no_uav_fly_to_and_fro(weights: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def nearest(pilot: AttentionPilot, view: View, graph: Graph, allowed: Mask) -> int:
+        rows, cols = np.divmod(graph.cells[graph.neighbours[0]], view.belief.shape[1])
+        apart = np.abs(rows - view.cell[0]) + np.abs(cols - view.cell[1])
+        return int(np.where(allowed, apart, 10_000).argmin())
+
+    monkeypatch.setattr(AttentionPilot, "pick", nearest)
+    most = {}
+    for guard in (True, False):
+        world = World(scenario("small-floors").with_settings({"team": 1, "goal": 1.0, "budget": 300}))
+        world.reset([5])
+        policy, cells = AttentionSac(weights=str(weights), guard=guard), []
+        for _ in rollout(world, ask_pilots(policy, make_pilots(policy, world), world)):
+            cells.append(world.state.cell[0, 0].tolist())
+        most[guard] = longest_run(np.array([[cells[k] == cells[k + 2]] for k in range(len(cells) - 2)]))
+    assert most[True] <= 6 < most[False]
+
+
+def test_the_trainings_that_ship_are_those_of_their_records() -> None:
+    for seed, path in SHIPPED.items():
+        policy, record = AttentionSac(training=seed), json.loads(path.with_suffix(".json").read_text())
+        assert policy.path == path
+        assert record["seed"] == seed
+        assert record["learner"] == "attention-sac"
+        assert load_weights(path).network == NetworkSettings(**record["config"]["network"])
+        assert set(policy.seen_seeds()) >= {"training", "validation"}
+    assert len({AttentionSac(training=seed).provenance()["weights_sha256"] for seed in SHIPPED}) == len(SHIPPED)
+    with pytest.raises(InputError, match="expected training to be one of 1, 2, 3, got 4"):
+        AttentionSac(training=4)
 
 
 def test_it_passes_the_conformance_suite(weights: Path, tmp_path: Path) -> None:
