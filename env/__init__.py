@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from indoor_explorers.env.errors import InputError, PolicyError
     from indoor_explorers.env.grid.cells import FREE, OCCUPIED, TURN, UNKNOWN, Action
     from indoor_explorers.env.interfaces.pettingzoo import env, parallel_env
-    from indoor_explorers.env.maps.base import GeneratedMaps
+    from indoor_explorers.env.maps.base import GeneratedMaps, MapReader
     from indoor_explorers.env.observations.incremental import LivePlanes
     from indoor_explorers.env.policies.policy import Pilot, Policy
     from indoor_explorers.env.policies.registry import make_policy, policy_names
@@ -38,6 +38,7 @@ __all__ = [
     "GeneratedMaps",
     "InputError",
     "LivePlanes",
+    "MapReader",
     "Mate",
     "Message",
     "Pilot",
@@ -62,7 +63,7 @@ _MODULES = {
     "errors": ("InputError", "PolicyError"),
     "grid.cells": ("FREE", "OCCUPIED", "TURN", "UNKNOWN", "Action"),
     "interfaces.pettingzoo": ("env", "parallel_env"),
-    "maps.base": ("GeneratedMaps",),
+    "maps.base": ("GeneratedMaps", "MapReader"),
     "observations.incremental": ("LivePlanes",),
     "policies.policy": ("Pilot", "Policy"),
     "policies.registry": ("make_policy", "policy_names"),

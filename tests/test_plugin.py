@@ -1,4 +1,4 @@
-"""The planner of its guide, installed as a package of its own and found through its entry point."""
+"""The planner of its guide, in a folder that the command makes, installed and found through its entry point."""
 
 import json
 import os
@@ -9,20 +9,21 @@ from pathlib import Path
 
 import pytest
 
+from indoor_explorers.evaluation.cli.parser import main
+
 ROOT = Path(__file__).resolve().parent.parent
 BLOCK = re.compile(r"<!-- plugin: (\S+) -->\n```\w+\n(.*?)```", re.DOTALL)
 
 
 @pytest.fixture(scope="module")
 def installed(tmp_path_factory):
-    """The plug-in, built and installed from the text of the guide; returns the environment to run in."""
-    source, site = tmp_path_factory.mktemp("source"), tmp_path_factory.mktemp("site")
-    files = dict(BLOCK.findall((ROOT / "evaluation/site/pages/guides/planner.md").read_text()))
-    assert set(files) == {"wall_follower.py", "pyproject.toml"}
-    code = [line for line in files["wall_follower.py"].splitlines() if line.strip()]
-    assert len(code) <= 40
-    for name, text in files.items():
-        (source / name).write_text(text)
+    """The plug-in, built and installed as the guide says; returns the environment to run in."""
+    source, site = tmp_path_factory.mktemp("source") / "wall-follower", tmp_path_factory.mktemp("site")
+    assert main(["new", "planner", "wall-follower", "--out", str(source)]) == 0
+    ((name, text),) = BLOCK.findall((ROOT / "evaluation/site/pages/guides/planner.md").read_text())
+    assert len([line for line in text.splitlines() if line.strip()]) <= 40
+    assert (source / name).exists()
+    (source / name).write_text(text)
     install = ["-m", "pip", "install", "--quiet", "--no-deps", "--no-build-isolation", "--no-index"]
     subprocess.run([sys.executable, *install, "--target", site, source], check=True, capture_output=True, text=True)
     return {**os.environ, "PYTHONPATH": str(site)}

@@ -3,28 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from functools import lru_cache
 from importlib import resources
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self, get_args
+from typing import Annotated, Any, Literal, get_args
 
 import numpy as np
 from pydantic import (
     Field,
-    PrivateAttr,
     SerializationInfo,
     SerializerFunctionWrapHandler,
     ValidationError,
     ValidatorFunctionWrapHandler,
     WrapSerializer,
     WrapValidator,
-    field_validator,
 )
 
 from indoor_explorers.env.errors import InputError
-from indoor_explorers.env.files import expanded
-from indoor_explorers.env.maps.base import BaseMaps, GeneratedMaps
+from indoor_explorers.env.maps.base import BaseMaps, GeneratedMaps, MapReader
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.maps.generators.cave import CaveMaps
 from indoor_explorers.env.maps.generators.floors.plans import FloorsMaps
@@ -57,52 +53,18 @@ __all__ = [
 #: of its doors 0.8 m wide.
 OFFICE, OFFICE_RESOLUTION = "readers/office.txt", 0.4
 WALL, FURNITURE, FLOOR = "#", "o", "."
-#: Placeholder for the path of a map file that must not be known.
-HIDDEN = "(not told)"
 
 
-class FileMaps(BaseMaps):
+class FileMaps(MapReader):
     """Maps read from files of the kinds that :func:`~indoor_explorers.env.maps.files.read_map` knows."""
 
     source: Literal["files"] = "files"
-    paths: tuple[str, ...] = Field(min_length=1)
-    """Files, each explored with every seed."""
     resolution: float | None = Field(None, gt=0.0)
     """Metres a cell to resample to; None keeps the file's. Files without a scale count a pixel as one metre."""
-    _held: dict[int, Floorplan] = PrivateAttr(default_factory=dict)
 
-    @field_validator("paths")
-    @classmethod
-    def _at_home(cls, paths: tuple[str, ...]) -> tuple[str, ...]:
-        return tuple(str(expanded(path)) if path.startswith("~") else path for path in paths)
-
-    @property
-    def count(self) -> int:
-        """One map for each file."""
-        return len(self.paths)
-
-    def floorplan(self, index: int, seed: int, attempt: int = 0) -> Floorplan:
-        """Read file ``index``, whatever the seed; plans of files with equal names have their folders in their names."""
-        if index in self._held:
-            return self._held[index]
-        path = Path(self.paths[index])
-        plan = _read_once(str(path), self.resolution)
-        alike = sum(Path(other).stem == path.stem for other in self.paths) > 1
-        return replace(plan, name=f"{path.parent.name}/{path.stem}") if alike else plan
-
-    def holding(self, plans: Mapping[int, Floorplan]) -> FileMaps:
-        """Return the same maps with some floor plans in memory, by index, for machines without the files."""
-        held = self.model_copy()
-        held._held = dict(plans)
-        return held
-
-    def without_files(self) -> Self:
-        """Return the same number of maps with placeholder paths."""
-        return type(self)(paths=(HIDDEN,) * self.count, resolution=self.resolution)
-
-    def identity(self) -> Any:
-        """Return the digests of the maps' cells."""
-        return {"source": self.source, "cells": [self.floorplan(index, 0).digest for index in range(self.count)]}
+    def plan(self, path: Path) -> Floorplan:
+        """Return the map of a file."""
+        return _read_once(str(path), self.resolution)
 
 
 class OfficeMap(BaseMaps):
@@ -140,16 +102,16 @@ def map_class(source: Any) -> type[BaseMaps] | None:
     """Return the class of a kind of map by name, that of a plug-in too; None where there is no such name.
 
     Raises:
-        InputError: a plug-in cannot be imported, or is no generator of maps.
+        InputError: a plug-in cannot be imported, or is no source of maps.
 
     """
     if not isinstance(source, str):
         return None
     if source in SOURCES or not (":" in source or source in declared(MAPS)):
         return SOURCES.get(source)
-    kind = load_plugin(MAPS, source, "map generator", SOURCES)
-    if not (isinstance(kind, type) and issubclass(kind, GeneratedMaps)):
-        raise InputError(f"map generator {source!r}: expected a subclass of GeneratedMaps, got {kind!r}")
+    kind = load_plugin(MAPS, source, "map source", SOURCES)
+    if not (isinstance(kind, type) and issubclass(kind, GeneratedMaps | MapReader)):
+        raise InputError(f"map source {source!r}: expected a subclass of GeneratedMaps or MapReader, got {kind!r}")
     return kind
 
 

@@ -182,7 +182,8 @@ def add_options(parser: argparse.ArgumentParser, request: type[Request]) -> None
 def _words(name: str, field: FieldInfo, option: Option) -> dict[str, Any]:
     if option.positional:
         several = {"nargs": "+" if field.is_required() else "*"} if option.several else {}
-        return {"flags": [name], "type": option.read, "metavar": option.metavar, **several}
+        value = {"type": option.read, "metavar": option.metavar, "choices": option.choices}
+        return {"flags": [name], **value, **several}
     words: dict[str, Any] = {"flags": [option.flag or "--" + name.replace("_", "-")], "dest": name}
     words["required"] = field.is_required()
     if field.annotation is bool:

@@ -16,6 +16,7 @@ from indoor_explorers.evaluation.cli.commands.importing import IMPORT
 from indoor_explorers.evaluation.cli.commands.leaderboard import LEADERBOARD
 from indoor_explorers.evaluation.cli.commands.listings import LEARNERS, POLICIES, SCENARIOS
 from indoor_explorers.evaluation.cli.commands.maps import AUDIT, MAPS
+from indoor_explorers.evaluation.cli.commands.new import NEW
 from indoor_explorers.evaluation.cli.commands.peer import DARE
 from indoor_explorers.evaluation.cli.commands.peer_ir2 import IR2
 from indoor_explorers.evaluation.cli.commands.playground import PLAYGROUND
@@ -27,5 +28,5 @@ from indoor_explorers.evaluation.cli.commands.watch import WATCH
 #: All commands, in the order of the help.
 COMMANDS: tuple[Command[Any], ...] = (
     *(DEMO, PLAYGROUND, COMPARE, WATCH, REPORT, IMPORT, EXPORT, LEADERBOARD, DARE, IR2, TRAIN, ABLATE, THESIS),
-    *(POLICIES, SCENARIOS, LEARNERS, SUITES, MAPS, AUDIT, BENCH, CHECK),
+    *(POLICIES, SCENARIOS, LEARNERS, SUITES, MAPS, AUDIT, BENCH, NEW, CHECK),
 )

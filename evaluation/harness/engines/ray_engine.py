@@ -21,8 +21,8 @@ import ray
 from ray.exceptions import RayError, RayTaskError
 
 from indoor_explorers.env.errors import InputError, PolicyError, RunError
+from indoor_explorers.env.maps.base import MapReader
 from indoor_explorers.env.maps.floorplan import Floorplan
-from indoor_explorers.env.maps.sources import FileMaps
 from indoor_explorers.env.provenance import versions
 from indoor_explorers.evaluation.harness.engines.process_handle import ONE_THREAD
 from indoor_explorers.evaluation.harness.engines.ray_connection import connected, cpus
@@ -101,7 +101,7 @@ def fly_on_node(
     """
     prepare(origin)
     maps = job.scenario.map
-    if isinstance(maps, FileMaps):
+    if isinstance(maps, MapReader):
         held = maps.holding(dict(zip(_indices(job), plans, strict=True)))
         job = job._replace(scenario=job.scenario.model_copy(update={"map": held}))
     return supervisor(*allowed).fly(job)
@@ -183,7 +183,7 @@ class _JobQueue:
         return len(self._running) < self._room
 
     def _submit(self, job: Job) -> None:
-        plans = [self._plan(job, index) for index in _indices(job)] if isinstance(job.scenario.map, FileMaps) else []
+        plans = [self._plan(job, index) for index in _indices(job)] if isinstance(job.scenario.map, MapReader) else []
         self._running[self._task.remote(self._origin, self._allowed, job, *plans)] = job
 
     def _plan(self, job: Job, index: int) -> Any:

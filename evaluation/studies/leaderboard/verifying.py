@@ -13,7 +13,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from indoor_explorers.env import InputError, Scenario
-from indoor_explorers.env.maps.sources import FileMaps, map_class
+from indoor_explorers.env.maps.base import MapReader
+from indoor_explorers.env.maps.sources import map_class
 from indoor_explorers.env.policies.registry import is_own_policy
 from indoor_explorers.env.scenarios.validation import validated
 from indoor_explorers.env.simulation.spawns import draw_floorplan
@@ -48,7 +49,7 @@ def mismatches(results: Results) -> Iterator[str]:
     scenarios = _scenarios(results)
     for record in (record for record in results.records if record.task.scenario in scenarios):
         scenario = scenarios[record.task.scenario]
-        if not isinstance(scenario.map, FileMaps) and _is_another_map(record, scenario):
+        if not isinstance(scenario.map, MapReader) and _is_another_map(record, scenario):
             yield f"{episode_name(record.policy, record.task)}: not the map that the generator makes of its seed"
         elif fault := mismatch(record, scenario):
             yield f"{episode_name(record.policy, record.task)}: {fault}"
@@ -141,7 +142,7 @@ def _whole_scenario(results: Results, name: str) -> Scenario:
     if kind is None:
         raise InputError(f"scenario {name!r}: unknown source of maps {stored['source']!r}")
     maps = validated(kind, {key: value for key, value in stored.items() if key in kind.model_fields}, name)
-    if isinstance(maps, FileMaps):
+    if isinstance(maps, MapReader):
         flown = {record.task.map_index: record.floorplan for record in results.records if record.task.scenario == name}
         maps = maps.holding(flown)
     return results.scenario(name).model_copy(update={"map": maps})
