@@ -28,13 +28,12 @@ class AgainstPlanner:
 
     row: RatioRow
     """Steps to the threshold of the scenario, divided by the planner's."""
-    contrast: Contrast | None
-    """What tests show; None where not all flew the same tasks."""
+    contrast: Contrast
+    """What tests show."""
 
     def cells(self) -> dict[str, Any]:
         """Return the row of best_planner.csv."""
-        shown, needed = (self.contrast.finding, self.contrast.needed) if self.contrast else ("", float("nan"))
-        return {**self.row.cells(), "shown": str(shown), "tasks_needed": needed}
+        return {**self.row.cells(), "shown": str(self.contrast.finding), "tasks_needed": self.contrast.needed}
 
 
 @dataclass(frozen=True)
@@ -54,7 +53,10 @@ def is_learner(facts: Mapping[str, Any]) -> bool:
 
 
 def against_best_planner(results: Results) -> list[PlannerRow]:
-    """Return a row for each scenario that planners have flown; empty where no learner, or only one scenario, was."""
+    """Return a row for each scenario in which planners and the others flew the same tasks.
+
+    There are no rows where no learner flew, and none for a single scenario.
+    """
     common = results.on_common_tasks
     learners = {name for name, facts in results.policies.items() if is_learner(facts)}
     rows = [_row(Comparison(common, name), learners) for name in common.scenarios]
@@ -64,11 +66,11 @@ def against_best_planner(results: Results) -> list[PlannerRow]:
 
 def _row(comparison: Comparison, learners: set[str]) -> PlannerRow | None:
     planners = [name for name in comparison.ranking if comparison.ranked(name) and name not in learners]
-    if not planners:
+    if not planners or not comparison.aligned:
         return None
     best, contrasts = planners[0], comparison.contrasts_with(planners[0])
     rows = Ratios(comparison.results, [best]).of_scenario(comparison.scenario, best, comparison.level.key)
-    return PlannerRow(comparison, best, {row.policy: AgainstPlanner(row, contrasts.get(row.policy)) for row in rows})
+    return PlannerRow(comparison, best, {row.policy: AgainstPlanner(row, contrasts[row.policy]) for row in rows})
 
 
 def write_best_planner(rows: Sequence[PlannerRow], path: Path) -> None:

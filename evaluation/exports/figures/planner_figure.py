@@ -55,8 +55,9 @@ def _sheet(rows: Sequence[PlannerRow], policies: Sequence[str]) -> Figure:
         figure,
         "Mean over tasks of the steps to the threshold, divided by those of the best planner of the scenario, with "
         "95 % bootstrap intervals. Blue: shown to be better than it; orange: worse; grey: as good within "
-        f"{100 * rows[0].comparison.results.margin:g} %; hatched: not resolved; framed: the best planner, with its "
-        "mean steps. Tests of all pairs of policies at once. Policies in bold have trained weights.",
+        f"{100 * rows[0].comparison.results.margin:g} %; yellow: faster but finishing less often, or the reverse; "
+        "hatched: not resolved; framed: the best planner, with its mean steps. Tests of all pairs of policies at once. "
+        "Policies in bold have trained weights.",
     )
     return figure
 
@@ -66,7 +67,7 @@ def _draw(axes: Axes, column: int, place: int, row: PlannerRow, policy: str) -> 
     found, best = row.others.get(policy), policy == row.planner
     if found is None and not best:
         return
-    fill = FILLS.get(found.contrast.finding) if found and found.contrast else None
+    fill = FILLS.get(found.contrast.finding) if found else None
     look: dict[str, Any] = {"facecolor": fill or "white", "edgecolor": "#dddddd", "linewidth": 0.0}
     hatch = None if fill or best else "////"
     axes.add_patch(Rectangle((column + 0.03, place + 0.05), 0.94, 0.9, hatch=hatch, **look))

@@ -68,7 +68,7 @@ def test_the_best_planner_is_the_fastest_policy_without_weights_that_is_ranked(l
     small, large = against_best_planner(learned)
     assert (small.planner, large.planner) == ("tree", "nearest")
     assert {name for name, facts in learned.policies.items() if is_learner(facts)} == {"network", "twin"}
-    found = {name: each.contrast.finding for name, each in small.others.items() if each.contrast}
+    found = {name: each.contrast.finding for name, each in small.others.items()}
     assert found == {
         "nearest": Finding.WORSE,
         "network": Finding.BETTER,
@@ -78,7 +78,6 @@ def test_the_best_planner_is_the_fastest_policy_without_weights_that_is_ranked(l
     assert small.others["network"].row.ratio.of_tasks.mean == pytest.approx(np.mean((NEAREST - 20) / (NEAREST - 4)))
     assert small.others["network"].row.metric == "t99"
     contrast = large.others["twin"].contrast
-    assert contrast is not None
     assert contrast.finding is Finding.OPEN
     assert contrast.needed > SEEDS
 
@@ -88,6 +87,12 @@ def test_it_needs_a_learner_a_planner_and_several_scenarios(learned: Results) ->
     one = {name: settings for name, settings in learned.scenarios.items() if name == "small"}
     records = [record for record in learned.records if record.task.scenario == "small"]
     assert not against_best_planner(replace(learned, scenarios=one, records=records))
+    two = {
+        policy: [record for record in learned.records if record.policy == policy] for policy in ("nearest", "network")
+    }
+    later = [replace(each, task=each.task._replace(seed=each.task.seed + SEEDS)) for each in two["network"]]
+    assert not against_best_planner(replace(learned, records=[*two["nearest"], *later]))  # no task in common
+    assert len(against_best_planner(replace(learned, records=[*two["nearest"], *two["network"]]))) == 2
     networks = [record for record in learned.records if record.policy in ("network", "twin", "map")]
     assert not against_best_planner(replace(learned, records=networks))
     assert planner_table([]) is None
