@@ -1,4 +1,4 @@
-"""Paths that users give, and files that are written completely or not at all."""
+"""Paths that users give, and files and folders that are written completely or not at all."""
 
 from __future__ import annotations
 
@@ -39,8 +39,8 @@ def writable(path: Path, option: str) -> Iterator[None]:
 def written_whole(path: Path) -> Iterator[Path]:
     """Give a path to write to that becomes ``path`` at the end; when writing fails, ``path`` stays as it was.
 
-    A link stays, and its target is replaced. A pipe or a device stays and is written to at the end. Several processes
-    may write one path: the last one counts.
+    What is written is a file, or a folder where there is none yet. A link stays, and its target is replaced. A pipe or
+    a device stays and is written to at the end. Several processes may write one path: the last one counts.
     """
     if _is_special(path):
         with tempfile.TemporaryDirectory(prefix="indoor-explorers-") as folder:
@@ -59,7 +59,10 @@ def written_whole(path: Path) -> Iterator[Path]:
             error.filename = str(path)
         raise
     finally:
-        partial.unlink(missing_ok=True)
+        if partial.is_dir():
+            shutil.rmtree(partial)
+        else:
+            partial.unlink(missing_ok=True)
 
 
 def _is_special(path: Path) -> bool:

@@ -6,7 +6,7 @@ chosen by the same episodes, so all pairs of policies are tested at once, as any
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,7 +15,7 @@ import pandas as pd
 
 from indoor_explorers.evaluation.analysis.comparison import Comparison
 from indoor_explorers.evaluation.harness.results.ratios import COLUMNS, RatioRow, Ratios
-from indoor_explorers.evaluation.harness.results.results import Results, write_csv
+from indoor_explorers.evaluation.harness.results.results import write_csv
 from indoor_explorers.evaluation.statistics import Contrast
 
 #: The columns of best_planner.csv: those of ratios.csv, and what is shown.
@@ -52,20 +52,19 @@ def is_learner(facts: Mapping[str, Any]) -> bool:
     return any(key.startswith("weights") for key in facts)
 
 
-def against_best_planner(results: Results) -> list[PlannerRow]:
+def against_best_planner(comparisons: Iterable[Comparison]) -> list[PlannerRow]:
     """Return a row for each scenario in which planners and the others flew the same tasks.
 
-    There are no rows where no learner flew, and none for a single scenario.
+    There are no rows where no learner flew, and none for a single scenario. ``comparisons`` cover the common tasks.
     """
-    common = results.on_common_tasks
-    learners = {name for name, facts in results.policies.items() if is_learner(facts)}
-    rows = [_row(Comparison(common, name), learners) for name in common.scenarios]
-    found = [row for row in rows if row is not None]
-    return found if len(found) > 1 and any(learners & set(row.others) for row in found) else []
+    found = [row for row in map(_row, comparisons) if row is not None]
+    learned = (is_learner(row.comparison.results.policies[name]) for row in found for name in row.others)
+    return found if len(found) > 1 and any(learned) else []
 
 
-def _row(comparison: Comparison, learners: set[str]) -> PlannerRow | None:
-    planners = [name for name in comparison.ranking if comparison.ranked(name) and name not in learners]
+def _row(comparison: Comparison) -> PlannerRow | None:
+    facts = comparison.results.policies
+    planners = [name for name in comparison.ranking if comparison.ranked(name) and not is_learner(facts[name])]
     if not planners or not comparison.aligned:
         return None
     best, contrasts = planners[0], comparison.contrasts_with(planners[0])

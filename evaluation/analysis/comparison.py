@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -169,17 +169,21 @@ class Comparison:
         tasks = [[record.task for record in records] for records in self.groups.values()]
         return all(each == tasks[0] for each in tasks)
 
-    @cached_property
+    @property
     def contrasts(self) -> dict[str, Contrast]:
-        """Steps and successes of the others against the best-ranked, see :meth:`contrasts_with`."""
+        """Steps and successes of the others against the best-ranked, see :attr:`contrasts_with`."""
         return self.contrasts_with(self.ranked_policies[0]) if self.groups else {}
 
-    def contrasts_with(self, first: str) -> dict[str, Contrast]:
-        """Return steps and successes of the others against a ranked policy; empty where they flew different tasks.
+    @cached_property
+    def contrasts_with(self) -> Callable[[str], dict[str, Contrast]]:
+        """Function of a ranked policy: steps and successes of the others against it; empty where tasks differ.
 
         All pairs of ranked policies are tested at once, since any could have been chosen to be the first. The others
         are a family of their own, so that they do not change the p-values of the ranked.
         """
+        return cache(self._contrasts_with)
+
+    def _contrasts_with(self, first: str) -> dict[str, Contrast]:
         if not self.groups or not self.aligned:
             return {}
         ranked = [first, *(policy for policy in self.ranked_policies if policy != first)]

@@ -9,7 +9,7 @@ from markupsafe import Markup, escape
 
 from indoor_explorers.evaluation.analysis.comparison import Comparison
 from indoor_explorers.evaluation.analysis.failures import failed_of
-from indoor_explorers.evaluation.drawing.formatting import THIN_SPACE
+from indoor_explorers.evaluation.drawing.formatting import percent_as_given
 from indoor_explorers.evaluation.statistics import Finding
 
 NAME = Markup("<b>{}</b>")
@@ -55,7 +55,7 @@ def resolution(scenarios: Sequence[Outcomes], margin: float) -> Markup:
     named = {kind: Counter(name for each in scenarios for name in each.get(kind, ())) for kind in SAID}
     if named[None] and named[None].total() == sum(names.total() for names in named.values()):
         return Markup(f"{SAID[None]}.")
-    within = f"{100 * margin:g}{THIN_SPACE}%"
+    within = percent_as_given(margin)
     return escape(
         " ".join(
             f"{SAID[kind].format(margin=within)}: {_counted(names, len(scenarios))}."

@@ -36,6 +36,11 @@ def percent(share: float, decimals: int = 0) -> str:
     return f"{value:.{decimals}f}{THIN_SPACE}%"
 
 
+def percent_as_given(share: float) -> str:
+    """Return a share that a user gave as a percentage with the decimals that it has."""
+    return f"{100 * share:g}{THIN_SPACE}%"
+
+
 def interval(estimate: Estimate, decimals: int, *, sign: bool = False) -> str:
     """Format ``[low, high]``; empty without an interval."""
     if estimate.low is None:

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from indoor_explorers.env.files import written_whole
 from indoor_explorers.evaluation.analysis.best_planner import against_best_planner, write_best_planner
+from indoor_explorers.evaluation.analysis.comparison import Comparison
 from indoor_explorers.evaluation.analysis.reproduce import experiment_files
 from indoor_explorers.evaluation.analysis.tables.reported_table import reported_csv, reported_tables
 from indoor_explorers.evaluation.exports.figures import write_figures
@@ -36,7 +37,7 @@ def write_exports(results: Results, folder: Path, *, ratio_to: Sequence[str] | N
     write_ratios(ratios, tables / "ratios.csv")
     if by_origin := ratios_by_origin(ratios):
         write_origin_ratios(by_origin, tables / "ratios_by_origin.csv")
-    best = against_best_planner(results)
+    best = against_best_planner(Comparison(results.on_common_tasks, name) for name in results.scenarios)
     if best:
         write_best_planner(best, tables / "best_planner.csv")
     write_differences(differences(results, ratios.to), tables / "differences.csv")

@@ -129,7 +129,7 @@ class _Page:
             "overview": overview(results, comparisons, styles),
             "against": against,
             "ratios": ratio_tables(ratios),
-            "best_planner": planner_table(against_best_planner(results)),
+            "best_planner": planner_table(against_best_planner(comparisons.values())),
             "origin_ratios": origin_tables(ratios_by_origin(ratios)),
             "ratio_notes": bound_notes(ratios.rows),
             "sweeps": sweep_sections(common, styles),

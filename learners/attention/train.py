@@ -138,6 +138,11 @@ class AttentionTraining(Trainee):
         """The present policy, as training flies it."""
         return self._loaded(self.sac.policy)
 
+    @property
+    def averaged(self) -> Loaded:
+        """The moving average of the policy, which is evaluated and kept."""
+        return self._loaded(self.sac.averaged.module)
+
     def _loaded(self, policy: nn.Module) -> Loaded:
         return Loaded(weights_of(policy), self.config.network, self.config.graph)
 
@@ -169,7 +174,7 @@ class AttentionTraining(Trainee):
 
     def evaluate(self) -> dict[str, int | float]:
         """Fly the averaged policy greedily without the guard on tasks that training does not use."""
-        loaded, first = self._loaded(self.sac.averaged.module), evaluation_seeds(self.seed)
+        loaded, first = self.averaged, evaluation_seeds(self.seed)
         found = []
         for seed in range(first, first + self.config.evaluation_episodes):
             world = drawn_task(self.maps, seed, self.config.graph)
@@ -187,7 +192,7 @@ class AttentionTraining(Trainee):
 
     def keep(self, folder: Path) -> None:
         """Write the averaged network."""
-        write_weights(folder / WEIGHTS, self._loaded(self.sac.averaged.module))
+        write_weights(folder / WEIGHTS, self.averaged)
 
     def results(self) -> dict[str, Any]:
         """Return how much was flown and learned."""

@@ -13,7 +13,7 @@ from tests.evaluation.reports import HOSTILE, Page, Wander, results_of, task_on
 @pytest.fixture(scope="package", autouse=True)
 def _short():
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(exports, "write_figures", lambda results, folder, best_planner: [])
+        patch.setattr(exports, "write_figures", lambda *_: [])
         patch.setattr(driver, "with_failed_checks", lambda experiment, about, stored, loader: dict(about))
         patch.setattr(driver, "found_in_flights", lambda experiment, store, memory_limit: {})
         yield

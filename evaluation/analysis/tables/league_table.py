@@ -159,7 +159,7 @@ def _cell(comparison: Comparison, policy: str, rank: Rank | None, best: bool, dr
     time, contrast = comparison.time(policy), comparison.contrasts.get(policy)
     differs = contrast is not None and contrast.finding in (Finding.BETTER, Finding.WORSE)
     return LeagueCell(
-        bounded(fixed(time.mean, decimals_for(time.mean)), AT_LEAST if comparison.reached(policy) < 1 else ""),
+        mean_time(comparison, policy),
         time.mean,
         interval(time, decimals_for(time.mean)),
         best,
@@ -171,6 +171,12 @@ def _cell(comparison: Comparison, policy: str, rank: Rank | None, best: bool, dr
         reached=percent(comparison.reached(policy)),
         failed=failed_of(comparison, policy),
     )
+
+
+def mean_time(comparison: Comparison, policy: str) -> str:
+    """Return the mean steps to the threshold, :data:`AT_LEAST` before them where some episodes never reached it."""
+    mean = comparison.time(policy).mean
+    return bounded(fixed(mean, decimals_for(mean)), AT_LEAST if comparison.reached(policy) < 1 else "")
 
 
 def _scale(comparison: Comparison, width: int) -> Scale | None:

@@ -7,8 +7,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from indoor_explorers.evaluation.analysis.best_planner import AgainstPlanner, PlannerRow, is_learner
-from indoor_explorers.evaluation.analysis.tables.ratio_table import bounded
-from indoor_explorers.evaluation.drawing.formatting import decimals_for, fixed, interval, percent, with_interval
+from indoor_explorers.evaluation.analysis.tables.league_table import mean_time
+from indoor_explorers.evaluation.analysis.tables.ratio_table import ratio_cell
+from indoor_explorers.evaluation.drawing.formatting import percent, percent_as_given
 from indoor_explorers.evaluation.drawing.table import Cell, Column, Row, Table, words
 from indoor_explorers.evaluation.statistics import Finding
 
@@ -41,7 +42,7 @@ def planner_table(rows: Sequence[PlannerRow]) -> Table | None:
         return None
     policies = policy_columns(rows)
     margin = rows[0].comparison.results.margin
-    shown = f"Better, worse, and as good within {percent(margin)}" if margin else "Better and worse"
+    shown = f"Better, worse, and as good within {percent_as_given(margin)}" if margin else "Better and worse"
     return Table(
         [words("scenario", 14), words("best planner", 14), *map(Column, policies)],
         [Row(row.comparison.title, [_best(row), *(planner_cell(row, name) for name in policies)]) for row in rows],
@@ -71,14 +72,9 @@ def planner_cell(row: PlannerRow, policy: str) -> PlannerCell:
     if policy not in row.others:
         return PlannerCell()
     found = row.others[policy]
-    mean, bound = found.row.ratio.of_tasks.mean, found.row.censoring.bound
+    cell, finding = ratio_cell(found.row, decimals=DECIMALS), found.contrast.finding
     return PlannerCell(
-        bounded(fixed(mean, DECIMALS), bound),
-        None if math.isnan(mean) else mean,
-        "" if bound in (">", "<") else interval(found.row.ratio.of_tasks, DECIMALS),
-        shade=SHADES.get(found.contrast.finding, 0),
-        title=f"ratio of the means: {with_interval(found.row.ratio.of_means, DECIMALS)}",
-        shown=_said(found),
+        cell.text, cell.value, cell.detail, shade=SHADES.get(finding, 0), title=cell.title, shown=_said(found)
     )
 
 
@@ -91,7 +87,6 @@ def _said(found: AgainstPlanner) -> str:
 
 
 def _best(row: PlannerRow) -> Cell:
-    time, reached = row.comparison.time(row.planner), row.comparison.reached(row.planner)
-    steps = bounded(fixed(time.mean, decimals_for(time.mean)), "≥" if reached < 1 else "")
+    reached = row.comparison.reached(row.planner)
     late = f", {percent(reached)} reached" if reached < 1 else ""
-    return Cell(row.planner, None, f"{row.comparison.level.title} {steps} steps{late}")
+    return Cell(row.planner, None, f"{row.comparison.level.title} {mean_time(row.comparison, row.planner)} steps{late}")

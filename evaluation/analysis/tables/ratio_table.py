@@ -66,17 +66,17 @@ def _table(ratios: Ratios, to: str, metric: str) -> Table:
     )
 
 
-def ratio_cell(row: RatioRow, scenarios: int) -> Cell:
+def ratio_cell(row: RatioRow, scenarios: int = 1, decimals: int = DECIMALS) -> Cell:
     """Return the cell of a ratio; one over all scenarios says over how many of them if it is not over all."""
     mean, low, high = of_tasks = row.ratio.of_tasks
     bound = row.censoring.bound
     shown = low is not None and high is not None and not low <= 1.0 <= high and bound != ("<" if mean > 1 else ">")
     shade = min(4, math.ceil(abs(math.log2(mean)) / SHADE)) if shown else 0
-    around = "" if bound in (">", "<") else interval(of_tasks, DECIMALS)
+    around = "" if bound in (">", "<") else interval(of_tasks, decimals)
     partly = row.scenario == POOLED and row.scenarios < scenarios
     part = f" {row.scenarios} of {scenarios} scenarios" if partly else ""
-    text, means = (bounded(fixed(each.mean, DECIMALS), bound) for each in row.ratio)
-    means = means if bound in (">", "<") else with_interval(row.ratio.of_means, DECIMALS)
+    text, means = (bounded(fixed(each.mean, decimals), bound) for each in row.ratio)
+    means = means if bound in (">", "<") else with_interval(row.ratio.of_means, decimals)
     return Cell(
         text,
         None if math.isnan(mean) else mean,

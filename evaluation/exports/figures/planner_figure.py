@@ -11,7 +11,7 @@ from matplotlib.patches import Rectangle
 
 from indoor_explorers.evaluation.analysis.best_planner import PlannerRow, is_learner
 from indoor_explorers.evaluation.analysis.tables.planner_table import planner_cell, policy_columns
-from indoor_explorers.evaluation.drawing.formatting import fixed
+from indoor_explorers.evaluation.drawing.formatting import fixed, percent_as_given
 from indoor_explorers.evaluation.drawing.palette import COLOURS
 from indoor_explorers.evaluation.drawing.print_style import PAGE, plain
 from indoor_explorers.evaluation.exports.figures.layout import add_note, paper
@@ -41,7 +41,7 @@ def _sheet(rows: Sequence[PlannerRow], policies: Sequence[str]) -> Figure:
     for place, row in enumerate(rows):
         for column, policy in enumerate(policies):
             _draw(axes, column, place, row, policy)
-    facts = rows[0].comparison.results.policies
+    facts, margin = rows[0].comparison.results.policies, percent_as_given(rows[0].comparison.results.margin)
     axes.set(xlim=(0, len(policies)), ylim=(len(rows), 0))
     axes.set_xticks([column + 0.1 for column in range(len(policies))], [plain(name, 24) for name in policies])
     axes.set_yticks([place + 0.5 for place in range(len(rows))], [plain(row.comparison.title, 26) for row in rows])
@@ -55,7 +55,7 @@ def _sheet(rows: Sequence[PlannerRow], policies: Sequence[str]) -> Figure:
         figure,
         "Mean over tasks of the steps to the threshold, divided by those of the best planner of the scenario, with "
         "95 % bootstrap intervals. Blue: shown to be better than it; orange: worse; grey: as good within "
-        f"{100 * rows[0].comparison.results.margin:g} %; yellow: faster but finishing less often, or the reverse; "
+        f"{margin}; yellow: faster but finishing less often, or the reverse; "
         "hatched: not resolved; framed: the best planner, with its mean steps. Tests of all pairs of policies at once. "
         "Policies in bold have trained weights.",
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -70,7 +70,8 @@ def suite_run_of(
 
     """
     for suite in all_suites():
-        names = {name: _name_in(suite, settings) for name, settings in scenarios.items()}
+        named = suite.scenarios()
+        names = {name: _name_in(suite, named, settings) for name, settings in scenarios.items()}
         if names and all(names.values()):
             found = [{_task(suite, names, record) for record in mine} for mine in records.values()]
             for part in Part:
@@ -79,11 +80,11 @@ def suite_run_of(
     return None
 
 
-def _name_in(suite: Suite, stored: Mapping[str, Any]) -> str:
-    """Return the name that a suite gives to a scenario, empty where it is none of it."""
+def _name_in(suite: Suite, named: Sequence[Scenario], stored: Mapping[str, Any]) -> str:
+    """Return the name of a scenario among those of a suite, empty where it is none of them."""
     if outside_names(stored, MODELS):
         return ""
-    possible = [each for each in suite.scenarios() if not suite.generated or _is_generator(each.map, stored["map"])]
+    possible = [each for each in named if not suite.generated or _is_generator(each.map, stored["map"])]
     settings = _settings(recorded_scenario(stored)) if possible else {}
     return next((each.name for each in possible if _settings(each) == settings), "")
 

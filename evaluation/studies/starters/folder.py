@@ -5,14 +5,13 @@ from __future__ import annotations
 import importlib.util
 import keyword
 import re
-import shutil
 import sys
 from pathlib import Path
-from uuid import uuid4
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.files import written_whole
 from indoor_explorers.env.maps.sources import SOURCES
 from indoor_explorers.env.plugins import MAPS, declared
 from indoor_explorers.env.policies.registry import opener_entry_points, policy_entry_points
@@ -71,19 +70,16 @@ def make_folder(kind: str, name: str, out: Path) -> list[str]:
         path.format(**names): templates.get_template(f"{template.format(**names)}.jinja").render(names)
         for path, template in (FILES | KINDS[kind]).items()
     }
-    partial = out.parent / f".{uuid4().hex}.partial"
     try:
         if out.exists() or out.is_symlink():
             raise InputError(f"expected a new folder, got {out}, which exists; give another --out")
-        partial.mkdir()
-        for path, text in files.items():
-            (partial / path).parent.mkdir(parents=True, exist_ok=True)
-            (partial / path).write_text(text, "utf-8")
-        partial.rename(out)
+        with written_whole(out) as partial:
+            partial.mkdir()
+            for path, text in files.items():
+                (partial / path).parent.mkdir(parents=True, exist_ok=True)
+                (partial / path).write_text(text, "utf-8")
     except OSError as error:
         raise InputError(
             f"expected a folder that can be made, got {out}: {error.strerror}; give another --out"
         ) from error
-    finally:
-        shutil.rmtree(partial, ignore_errors=True)
     return sorted(files)

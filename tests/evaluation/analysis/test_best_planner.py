@@ -10,7 +10,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from indoor_explorers.evaluation.analysis.best_planner import against_best_planner, is_learner
+from indoor_explorers.evaluation.analysis.best_planner import PlannerRow, against_best_planner, is_learner
+from indoor_explorers.evaluation.analysis.comparison import Comparison
 from indoor_explorers.evaluation.analysis.tables.planner_table import planner_table
 from indoor_explorers.evaluation.drawing.print_style import print_style
 from indoor_explorers.evaluation.exports import write_exports
@@ -40,6 +41,12 @@ def results(times: Mapping[str, Mapping[str, Iterable[float | None]]], learners:
     return replace(found, policies=facts)
 
 
+def rows_of(found: Results) -> list[PlannerRow]:
+    """Return the rows of all scenarios."""
+    common = found.on_common_tasks
+    return against_best_planner(Comparison(common, name) for name in common.scenarios)
+
+
 @pytest.fixture(name="learned")
 def _learned() -> Results:
     wave = np.where(np.arange(SEEDS) % 2, 3.0, -3.0)
@@ -65,7 +72,7 @@ def _learned() -> Results:
 
 
 def test_the_best_planner_is_the_fastest_policy_without_weights_that_is_ranked(learned: Results) -> None:
-    small, large = against_best_planner(learned)
+    small, large = rows_of(learned)
     assert (small.planner, large.planner) == ("tree", "nearest")
     assert {name for name, facts in learned.policies.items() if is_learner(facts)} == {"network", "twin"}
     found = {name: each.contrast.finding for name, each in small.others.items()}
@@ -83,23 +90,23 @@ def test_the_best_planner_is_the_fastest_policy_without_weights_that_is_ranked(l
 
 
 def test_it_needs_a_learner_a_planner_and_several_scenarios(learned: Results) -> None:
-    assert not against_best_planner(replace(learned, policies={key: {} for key in learned.policies}))
+    assert not rows_of(replace(learned, policies={key: {} for key in learned.policies}))
     one = {name: settings for name, settings in learned.scenarios.items() if name == "small"}
     records = [record for record in learned.records if record.task.scenario == "small"]
-    assert not against_best_planner(replace(learned, scenarios=one, records=records))
+    assert not rows_of(replace(learned, scenarios=one, records=records))
     two = {
         policy: [record for record in learned.records if record.policy == policy] for policy in ("nearest", "network")
     }
     later = [replace(each, task=each.task._replace(seed=each.task.seed + SEEDS)) for each in two["network"]]
-    assert not against_best_planner(replace(learned, records=[*two["nearest"], *later]))  # no task in common
-    assert len(against_best_planner(replace(learned, records=[*two["nearest"], *two["network"]]))) == 2
+    assert not rows_of(replace(learned, records=[*two["nearest"], *later]))  # no task in common
+    assert len(rows_of(replace(learned, records=[*two["nearest"], *two["network"]]))) == 2
     networks = [record for record in learned.records if record.policy in ("network", "twin", "map")]
-    assert not against_best_planner(replace(learned, records=networks))
+    assert not rows_of(replace(learned, records=networks))
     assert planner_table([]) is None
 
 
 def test_its_table_has_learners_first_and_says_what_is_shown(learned: Results) -> None:
-    table = planner_table(against_best_planner(learned))
+    table = planner_table(rows_of(learned))
     assert table is not None
     assert [column.title for column in table.columns[2:]] == ["network", "twin", "nearest", "tree", "map"]
     lines = {row.name: [cell.line for cell in row.cells] for row in table.rows}
@@ -116,7 +123,7 @@ def test_its_table_has_learners_first_and_says_what_is_shown(learned: Results) -
 def test_it_is_on_the_page_and_in_files(learned: Results, tmp_path: Path) -> None:
     assert '<section id="best-planner">' in render(learned, replays=0)
     write_exports(learned, tmp_path)
-    found = against_best_planner(learned)
+    found = rows_of(learned)
     rows = pd.read_csv(tmp_path / "tables" / "best_planner.csv")
     assert rows.groupby("scenario").to.unique().str[0].to_dict() == {"small": "tree", "large": "nearest"}
     assert set(rows[rows.shown == "better"].policy) == {"network", "map"}
@@ -133,7 +140,7 @@ def test_a_page_without_learners_has_no_such_section(learned: Results, tmp_path:
 
 
 def test_a_sheet_has_no_more_columns_than_fit(learned: Results) -> None:
-    rows = against_best_planner(learned)
+    rows = rows_of(learned)
     many = [replace(row, others={f"p{k}": row.others["network"] for k in range(2 * MOST)}) for row in rows]
     names = {name: WEIGHTS for name in many[0].others} | {"tree": {}, "nearest": {}}
     for row in many:

@@ -66,7 +66,7 @@ def test_its_files_fit_together(made):
     flow = yaml.safe_load((place / ".github" / "workflows" / "test.yml").read_text())
     assert flow["jobs"]["test"]["steps"][1]["with"]["repository"] == "${{ vars.INDOOR_EXPLORERS }}"
     texts = {path: path.read_text() for path in place.rglob("*") if path.is_file() and path.suffix != ".pyc"}
-    assert len(texts) == 8 if kind == "map-reader" else 7
+    assert len(texts) == (8 if kind == "map-reader" else 7)
     for path, text in texts.items():
         assert text.endswith("\n"), path
         assert not re.search(r"\{\{(?! vars)|\{%|https?:|\n\n\n\n", text), path

@@ -24,7 +24,7 @@ def folder(tmp_path_factory):
     )
     Image.fromarray(free[:, :15]).save(here / "room.png")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(exports, "write_figures", lambda results, folder, best_planner: [])
+        patch.setattr(exports, "write_figures", lambda *_: [])
         maps = [here / "hall.yaml", here / "room.png"]
         options = {"policies": POLICIES, "maps": maps, "team": 3, "episodes": 2, "workers": 0, "settings": SETTINGS}
         compare(here / "results", **options)
