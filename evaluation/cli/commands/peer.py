@@ -23,6 +23,8 @@ class PeerOptions(Request):
     """How many of the test maps in the simulator's order, or names such as 12.png,13.png (default: all 100)."""
     adapter: Annotated[Literal["auto", "nodes", "cells"], Option(choices=("auto", "nodes", "cells"))] = "auto"
     """How pilots choose the simulator's nodes: by nodes where their rule can, by cells otherwise (default: auto)."""
+    scan_on_the_way: Annotated[bool, Option()] = False
+    """Let the robot scan in every cell that it passes; by DARE's rules it scans at nodes alone."""
     seed: Annotated[int, SEED] = 0
     """Seed of the pilots' and the expert's random numbers (default 0)."""
     out: Annotated[Path | None, Option(metavar="DIR")] = None
@@ -38,7 +40,7 @@ def fly_dare(options: PeerOptions, typed: str) -> int:
     from indoor_explorers.evaluation.studies.peers.results import flight_table, write_rows
 
     refuse_repeated(options.policies)
-    simulator = DareSimulator(options.clone, options.python)
+    simulator = DareSimulator(options.clone, options.python, scans_on_the_way=options.scan_on_the_way)
     names = simulator.maps(options.maps)
     how = {policy: chosen_by(policy, options.adapter) for policy in options.policies}
     held = read_flights(options.out / FILE, Flight) if options.out else []
@@ -57,8 +59,8 @@ def fly_dare(options: PeerOptions, typed: str) -> int:
     with simulator.process:
         ending = flights(simulator, options.policies, options.adapter, tasks, held)
         found = kept_flights(console, held, ending, told, options.out, write)
-    asked = {Path(name).stem for name in names}
-    shown = [each for each in found if each.map in asked and each.seed == options.seed]
+    keys = {(Path(name).stem, options.seed, options.scan_on_the_way) for name in names}
+    shown = [each for each in found if each.key[1:] in keys]
     table = flight_table([each for each in shown if each.policy in options.policies], options.policies)
     return print_flights(console, table, shown, options.out)
 

@@ -9,8 +9,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from indoor_explorers.env.errors import InputError, did_you_mean
+from indoor_explorers.env.errors import InputError
 from indoor_explorers.evaluation.studies.peers.graph import GraphState
+from indoor_explorers.evaluation.studies.peers.maps import asked_maps
 from indoor_explorers.planners.toolbox.peers.dare import DARE, EXPERT_NEEDS
 from indoor_explorers.planners.toolbox.peers.process import Need, Peer, PeerProcess
 
@@ -34,14 +35,19 @@ TIME_LIMIT = 120.0
 class DareSimulator:
     """The simulator in a process of its own."""
 
-    def __init__(self, clone: Path, interpreter: str) -> None:
+    def __init__(self, clone: Path, interpreter: str, *, scans_on_the_way: bool = False) -> None:
         """Check a clone; the process starts with the first episode.
+
+        Args:
+            clone: the folder of the clone.
+            interpreter: the Python of an environment with :data:`NEEDS`.
+            scans_on_the_way: whether the robot scans in every cell that it passes, and not at nodes alone.
 
         Raises:
             InputError: the clone is not what is expected.
 
         """
-        self.folder = CODE.checked(clone)
+        self.folder, self.scans_on_the_way = CODE.checked(clone), scans_on_the_way
         peer = Peer(interpreter=interpreter, folder=self.folder, script=SCRIPT, needs=NEEDS, time_limit=TIME_LIMIT)
         self.process = PeerProcess(peer)
 
@@ -55,14 +61,7 @@ class DareSimulator:
         names = sorted(path.name for path in (self.folder / "maps_test").glob("*.png"))
         if not names:
             raise InputError(f"{self.folder}: expected maps in maps_test, found none; {CODE.how_to_fetch}")
-        if len(wanted) == 1 and wanted[0].isdecimal() and 0 < int(wanted[0]) <= len(names):
-            return names[: int(wanted[0])]
-        named = {path.removesuffix(".png"): path for path in names}
-        for each in wanted:
-            if each.removesuffix(".png") not in named:
-                known = did_you_mean(each, named) if not each.isdecimal() else f"; there are {len(names)} maps"
-                raise InputError(f"--maps: expected a number of maps or names of them, got {each!r}{known}")
-        return [named[each.removesuffix(".png")] for each in wanted] or names
+        return asked_maps(wanted, names)
 
     def begin(self, name: str, seed: int) -> GraphState:
         """Start an episode on a map; the seed is for the expert planner."""
@@ -70,4 +69,4 @@ class DareSimulator:
 
     def move(self, node: int | None) -> GraphState:
         """Move to a node, None for the one that the expert planner chooses."""
-        return GraphState.of(self.process.ask("step", node=node), CELL)
+        return GraphState.of(self.process.ask("step", node=node, on_the_way=self.scans_on_the_way), CELL)

@@ -16,7 +16,7 @@ from classes.agent.node_manager import NodeManager
 from classes.env.env import Env
 from classes.planner.expert_planner import ExpertPlanner
 from classes.utils import get_cell_position_from_coords
-from parameter import FREE, OCCUPIED
+from parameter import CELL_SIZE, FREE, OCCUPIED
 
 _flight: dict[str, Any] = {}
 
@@ -29,13 +29,19 @@ def begin(name: str, seed: int) -> dict[str, Any]:
     return _state()
 
 
-def step(node: int | None) -> dict[str, Any]:
-    """Move to a node by its number in the last state, None for the one that the expert planner chooses."""
+def step(node: int | None, on_the_way: bool = False) -> dict[str, Any]:
+    """Move to a node by its number in the last state, None for the one that the expert planner chooses.
+
+    ``on_the_way``: scan in every cell that the straight line to it passes, and not at its end alone.
+    """
     env = _flight["env"]
     if node is None:
         target = np.array(_flight["expert"].plan_coverage_paths(env.robot_locations)[0][0])
     else:
         target = _flight["nodes"][node].coords
+    if on_the_way:
+        for cell in _passed(env.robot_locations[0], target):
+            env.update_robot_belief(cell)
     env.step(target, 0)
     return _state()
 
@@ -61,6 +67,14 @@ def _state() -> dict[str, Any]:
         "explored": float((belief == FREE).sum() / (env.ground_truth == FREE).sum()),
         "done": sum(node.utility for node in nodes) == 0,
     }
+
+
+def _passed(start: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """Return the cells between two places in metres, (K, 2), as their functions have them."""
+    places = np.linspace(start, end, 1 + int(np.ceil(np.abs(end - start).max() / CELL_SIZE)))[1:-1]
+    if not len(places):
+        return np.empty((0, 2), np.int64)
+    return np.asarray(get_cell_position_from_coords(places, _flight["env"].belief_info).reshape(-1, 2))
 
 
 def _cells(points: Any) -> np.ndarray:

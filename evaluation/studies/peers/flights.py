@@ -36,6 +36,8 @@ class Flight(Strict):
     chosen_by: ChosenBy
     map: str
     seed: int
+    scans_on_the_way: bool = False
+    """Whether the robot scanned in every cell that it passed, and not at nodes alone, as it does by DARE's rules."""
     moves: int = 0
     metres: float = 0.0
     """Flown until the end."""
@@ -50,9 +52,9 @@ class Flight(Strict):
     """Why the simulator or the policy failed; such a flight is flown again next time."""
 
     @property
-    def key(self) -> tuple[str, str, int]:
-        """What identifies it: policy, map and seed."""
-        return self.policy, self.map, self.seed
+    def key(self) -> tuple[str, str, int, bool]:
+        """What identifies it."""
+        return self.policy, self.map, self.seed, self.scans_on_the_way
 
 
 def chosen_by(policy: str, adapter: Adapter) -> ChosenBy:
@@ -105,7 +107,8 @@ def fly(simulator: DareSimulator, policy: str, adapter: Adapter, name: str, seed
 
     """
     how = chosen_by(policy, adapter)
-    flight = Flight(policy=policy, chosen_by=how, map=Path(name).stem, seed=seed)
+    scans = simulator.scans_on_the_way
+    flight = Flight(policy=policy, chosen_by=how, map=Path(name).stem, seed=seed, scans_on_the_way=scans)
     try:
         state = simulator.begin(name, seed)
         chooser = _chooser(policy, how, state.belief.shape, seed)
@@ -141,5 +144,5 @@ def flights(
     known = {each.key for each in held if each.failure is None}
     for name, seed in tasks:
         for policy in policies:
-            if (policy, Path(name).stem, seed) not in known:
+            if (policy, Path(name).stem, seed, simulator.scans_on_the_way) not in known:
                 yield fly(simulator, policy, adapter, name, seed)

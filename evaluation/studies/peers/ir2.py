@@ -11,8 +11,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from indoor_explorers.env.errors import InputError, did_you_mean
+from indoor_explorers.env.errors import InputError
 from indoor_explorers.evaluation.studies.peers.by_path import Turn
+from indoor_explorers.evaluation.studies.peers.maps import asked_maps
 from indoor_explorers.planners.toolbox.peers.ir2 import IR2
 from indoor_explorers.planners.toolbox.peers.process import Need, Peer, PeerProcess
 
@@ -103,16 +104,8 @@ class Ir2Simulator:
         names = sorted((path.name for path in folder.glob("*.png")), reverse=True)
         if not names:
             raise InputError(f"{folder}: expected maps, found none; fetch them with `{CODE.how_to_fetch}`")
-        found = {Path(name).stem: Task(part, name, FIRST_SEED + k) for k, name in enumerate(names[:TASKS])}
-        if len(wanted) == 1 and wanted[0].isdecimal() and 0 < int(wanted[0]) <= len(found):
-            return list(found.values())[: int(wanted[0])]
-        for each in wanted:
-            if not each.endswith(".png") or Path(each).stem not in found:
-                known = did_you_mean(each, [task.map for task in found.values()])
-                raise InputError(
-                    f"--maps: expected a number up to {len(found)} or names such as 99.png, got {each!r}{known}"
-                )
-        return [found[Path(each).stem] for each in wanted] or list(found.values())
+        seeds = {name: FIRST_SEED + k for k, name in enumerate(names[:TASKS])}
+        return [Task(part, name, seeds[name]) for name in asked_maps(wanted, list(seeds))]
 
     def begin(self, task: Task) -> Turn:
         """Start an episode."""

@@ -18,6 +18,8 @@ from indoor_explorers.evaluation.studies.peers.flights import EXPERT, Flight
 
 #: The scenario of the rows in reports.
 SCENARIO = "dare-own-rules"
+#: Name of a policy in the reported rows, with scans at nodes and with scans on the way.
+NAMES = {False: "{} in DARE", True: "{} in DARE, scanning on the way"}
 #: (E,) values, and whether they are no bounds, (E,) bool.
 Values = tuple[NDArray[np.float64], NDArray[np.bool_]]
 #: The columns of metres, and whether a flight has got there.
@@ -37,7 +39,8 @@ def flight_table(flights: Sequence[Flight], policies: Sequence[str]) -> Table:
     for title in METRES:
         columns += [Column(title, "m"), *([Column("/ expert")] if EXPERT in policies else [])]
     table = [Row(name, _cells(mine, rows.get(EXPERT))) for name, mine in rows.items()] if tasks else []
-    return Table(columns, table, f"{len(tasks)} maps of DARE, by its own rules", "peer-dare", _notes(flights))
+    title = f"{len(tasks)} maps of DARE, by {_rules(flights)}"
+    return Table(columns, table, title, "peer-dare", _notes(flights))
 
 
 def _cells(mine: Sequence[Flight], theirs: Sequence[Flight] | None) -> list[Cell]:
@@ -81,13 +84,18 @@ def _bound(text: str, sign: str) -> str:
     return f"{sign} {text}" if sign else text
 
 
+def _rules(flights: Sequence[Flight]) -> str:
+    on_the_way = any(each.scans_on_the_way for each in flights)
+    return "its own rules but for scans on the way" if on_the_way else "its own rules"
+
+
 def _notes(flights: Sequence[Flight]) -> list[str]:
     failed = sum(flight.failure is not None for flight in flights)
     return [
-        f"Measured here in the simulator of {CITATION}, commit {CODE.commit[:7]}, by its own rules: metres flown until "
-        f"90 % and 99 % of the free cells are known, and until its own end, at most {MOST_MOVES} moves. / expert: mean "
-        "over maps of the ratio to its expert planner's metres, with a 95 % bootstrap interval. A > stands before a "
-        "lower bound: some flights did not get there, and count with all that they flew.",
+        f"Measured here in the simulator of {CITATION}, commit {CODE.commit[:7]}, by {_rules(flights)}: metres flown "
+        f"until 90 % and 99 % of the free cells are known, and until its own end, at most {MOST_MOVES} moves. "
+        "/ expert: mean over maps of the ratio to its expert planner's metres, with a 95 % bootstrap interval. A > "
+        "stands before a lower bound: some flights did not get there, and count with all that they flew.",
         *([f"{failed} flights failed; the same command flies them again."] if failed else []),
     ]
 
@@ -98,16 +106,11 @@ def write_rows(flights: Sequence[Flight], folder: Path) -> None:
     Their scenario and their names are of their own, so that no table takes them for flights in this world.
     """
     source = Source(citation=f"the simulator of {CITATION}", url=f"{CODE.url}/tree/{CODE.commit}", measured=True)
-    names = dict.fromkeys(flight.policy for flight in flights)
-    policies = [
-        ReportedPolicy(
-            name=f"{name} in DARE",
-            source=source,
-            rows=tuple(_row(flight) for flight in flights if flight.policy == name and flight.failure is None),
-        )
-        for name in names
-    ]
-    write_reported([policy for policy in policies if policy.rows], folder)
+    rows: dict[str, list[ReportedRow]] = {}
+    for flight in flights:
+        if flight.failure is None:
+            rows.setdefault(NAMES[flight.scans_on_the_way].format(flight.policy), []).append(_row(flight))
+    write_reported([ReportedPolicy(name=name, source=source, rows=tuple(each)) for name, each in rows.items()], folder)
 
 
 def _row(flight: Flight) -> ReportedRow:

@@ -193,6 +193,7 @@ def fly_ir2(worker, record, rng):
                 logits = worker.local_policy_net(*seen)
             inputs = lattice_inputs(seen, logits)
             known = env.all_robot_positions_belief[i]
+            located = [j for j in others if known[j] is not None]  # none after moves near a place where no mate was
             record.add(
                 **inputs,
                 belief=env.all_robot_belief[i][i].astype(np.uint8),
@@ -200,8 +201,8 @@ def fly_ir2(worker, record, rng):
                 cells=env.all_node_coords[i],
                 agent=i,
                 step=step,
-                mates=[known[j] for j in others],
-                lacking=[env.all_robot_map_belief_area_diff[i][j] if step > 1 else 0.0 for j in others],
+                mates=[known[j] for j in located],
+                lacking=[env.all_robot_map_belief_area_diff[i][j] if step > 1 else 0.0 for j in located],
                 heard=[cell for j in others for part in env.all_robot_global_graph_belief[i][j] for cell in part],
             )
             legal = np.flatnonzero((inputs["masked"].numpy() == 0) & (np.arange(worker.k_size) > 0))

@@ -29,8 +29,8 @@ def begin(name: str, seed: int) -> dict[str, Any]:
     return _state()
 
 
-def step(node: int | None) -> dict[str, Any]:
-    """Move to a node, None for the nearest one of some use."""
+def step(node: int | None, on_the_way: bool) -> dict[str, Any]:
+    """Move to a node, None for the nearest one of some use, and see what is in range there, or on the way."""
     nodes, useful = _flight["nodes"], np.flatnonzero(_flight["utility"])
     if node is None:
         way = _ways()[useful]
@@ -40,8 +40,18 @@ def step(node: int | None) -> dict[str, Any]:
         node = goal
     assert [_flight["node"], node] in _flight["edges"].tolist()
     _flight["metres"] += 0.4 * float(np.hypot(*(nodes[node] - nodes[_flight["node"]])))
+    passed = np.linspace(_flight["at"], nodes[node], 1 + CELLS)[1:-1].round().astype(int)
+    for cell in passed if on_the_way else ():
+        _scan(tuple(cell.tolist()))
     _flight["at"] = tuple(nodes[node].tolist())
     return _state()
+
+
+def _scan(at: Any) -> None:
+    belief = _flight["belief"]
+    cells = np.argwhere(np.hypot(*(np.indices(WORLD.shape) - np.array(at)[:, None, None])) <= REACH)
+    seen = cells[_clear(WORLD, at, cells)]
+    belief[tuple(seen.T)] = WORLD[tuple(seen.T)]
 
 
 def _clear(belief: np.ndarray, start: Any, ends: np.ndarray) -> np.ndarray:
@@ -55,9 +65,7 @@ def _clear(belief: np.ndarray, start: Any, ends: np.ndarray) -> np.ndarray:
 def _state() -> dict[str, Any]:
     belief, at = _flight["belief"], _flight["at"]
     _flight["visited"].add(at)
-    cells = np.argwhere(np.hypot(*(np.indices(WORLD.shape) - np.array(at)[:, None, None])) <= REACH)
-    seen = cells[_clear(WORLD, at, cells)]
-    belief[tuple(seen.T)] = WORLD[tuple(seen.T)]
+    _scan(at)
     lattice = np.argwhere(np.ones((5, 13))) * CELLS
     nodes = lattice[belief[tuple(lattice.T)] == 1]
     unknown = np.pad(belief == 0, 1)

@@ -18,11 +18,13 @@ TOUR = "frontier-tour"
 class Simulator:
     """The small simulator in this process."""
 
+    scans_on_the_way = False
+
     def begin(self, name: str, seed: int) -> GraphState:
         return GraphState.of(lattice.begin(name, seed), 0.4)
 
     def move(self, node: int | None) -> GraphState:
-        return GraphState.of(lattice.step(node), 0.4)
+        return GraphState.of(lattice.step(node, self.scans_on_the_way), 0.4)
 
 
 @pytest.fixture

@@ -77,6 +77,23 @@ def test_flights_are_reported_rows_that_say_where_they_were_measured(clone: Path
     assert "not flown in this world" in told
 
 
+def test_scans_on_the_way_are_flights_of_their_own(clone: Path, tmp_path: Path, capsys) -> None:
+    """What was flown by the simulator's own rule stays, and rows and table say which rule was flown."""
+    out = tmp_path / "out"
+    for more in ([], ["--scan-on-the-way"], []):
+        assert _peer(clone, "--policies", "frontier-tour", "--maps", "1", "--out", str(out), *more) == 0
+    told = capsys.readouterr().out
+    assert told.count("frontier-tour on 1:") == 2
+    assert "1 maps of DARE, by its own rules but for scans on the way" in told
+    nodes, on_the_way = _rows(out)
+    assert [row["scans_on_the_way"] for row in (nodes, on_the_way)] == ["False", "True"]
+    assert float(on_the_way["metres"]) <= float(nodes["metres"])
+    assert [policy.name for policy in read_reported(out)] == [
+        "frontier-tour in DARE",
+        "frontier-tour in DARE, scanning on the way",
+    ]
+
+
 def test_a_failure_costs_one_flight_which_is_flown_again(clone: Path, tmp_path: Path, capsys, monkeypatch) -> None:
     out = tmp_path / "out"
     monkeypatch.setenv("FAILS_ON", "10.png")
@@ -96,8 +113,8 @@ def test_a_failure_costs_one_flight_which_is_flown_again(clone: Path, tmp_path: 
 @pytest.mark.parametrize(
     ("more", "told"),
     [
-        (["--maps", "12.png"], "--maps: expected a number of maps or names of them, got '12.png'"),
-        (["--maps", "5"], "got '5'; there are 4 maps"),
+        (["--maps", "12.png"], "--maps: expected a number up to 4 or names such as 1.png, got '12.png'"),
+        (["--maps", "5"], "expected a number up to 4 or names such as 1.png, got '5'"),
         (["--policies", "frontir"], "did you mean 'frontier'?"),
         (["--policies", "frontier,frontier"], "expected different policies, got one twice"),
         (["--policies", "frontier-nearest", "--adapter", "nodes"], "has no rule for nodes"),

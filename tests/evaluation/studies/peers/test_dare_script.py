@@ -12,7 +12,7 @@ from indoor_explorers.planners.toolbox.peers.process import Peer, PeerProcess
 
 #: Files of the clone; coordinates are (x, y) in metres from the start, cells (column, row).
 FILES = {
-    "parameter.py": "FREE, OCCUPIED = 255, 1",
+    "parameter.py": "CELL_SIZE, FREE, OCCUPIED = 0.4, 255, 1",
     "classes/utils.py": """
 import numpy as np
 def get_cell_position_from_coords(coords, info):
@@ -29,7 +29,9 @@ class Env:
         self.belief_info, self.robot_locations = None, np.array([[0.0, 0.0]])
     def step(self, target, number):
         self.robot_locations[number] = target
-        self.robot_belief = self.ground_truth
+        self.robot_belief[1:] = self.ground_truth[1:]
+    def update_robot_belief(self, cell):
+        self.robot_belief[0, cell[0]] = 255
 """,
     "classes/agent/agent.py": """
 import numpy as np
@@ -89,5 +91,12 @@ def test_states_are_in_cells_and_metres(process: PeerProcess, asked: int | None)
     assert (start.node, start.metres, start.done, start.useful.tolist()) == (0, 0.0, False, [1])
     assert start.explored == pytest.approx(13 / 24)
     assert np.isclose(start.away, [0.0, 4.0]).all()
-    end = GraphState.of(process.ask("step", node=asked), CELL)
+    end = GraphState.of(process.ask("step", node=asked, on_the_way=False), CELL)
     assert (end.node, end.metres, end.done, len(end.nodes), len(end.frontiers)) == (1, 4.0, True, 3, 0)
+
+
+def test_the_robot_scans_in_every_cell_that_it_passes_if_asked(process: PeerProcess) -> None:
+    """The small simulator marks the columns of scans in its first row: nine between nodes ten cells apart."""
+    process.ask("begin", name="10.png", seed=0)
+    end = GraphState.of(process.ask("step", node=1, on_the_way=True), CELL)
+    assert np.flatnonzero(end.belief[0] == 1).tolist() == list(range(3, 12))

@@ -112,7 +112,7 @@ def test_a_failure_costs_one_flight_which_is_flown_again(clone: Path, tmp_path: 
 @pytest.mark.parametrize(
     ("more", "told"),
     [
-        (["--maps", "12.png"], "--maps: expected a number up to 3 or names such as 99.png, got '12.png'"),
+        (["--maps", "12.png"], "--maps: expected a number up to 3 or names such as 2.png, got '12.png'"),
         (["--tasks", "corridor"], "expected maps, found none; fetch them with `git clone "),
         (["--policies", "frontir"], "did you mean 'frontier'?"),
         (["--policies", "frontier,frontier"], "expected different policies, got one twice"),
