@@ -193,7 +193,7 @@ def fly_ir2(worker, record, rng):
                 logits = worker.local_policy_net(*seen)
             inputs = lattice_inputs(seen, logits)
             known = env.all_robot_positions_belief[i]
-            located = [j for j in others if known[j] is not None]  # none after moves near a place where no mate was
+            located = [j for j in others if known[j] is not None]  # IR2 forgets mates that are not where they should be
             record.add(
                 **inputs,
                 belief=env.all_robot_belief[i][i].astype(np.uint8),
