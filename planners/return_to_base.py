@@ -13,7 +13,7 @@ from indoor_explorers.planners.toolbox.explorers import ExploringWith, added, wi
 from indoor_explorers.planners.toolbox.navigation.navigator import Navigator
 from indoor_explorers.planners.toolbox.parameters import bounded, one_of
 
-When = Literal["trips", "every", "deadline", "never"]
+When = Literal["trips", "worth", "every", "deadline", "never"]
 #: Numbers that are added to each message: steps home, and whether the sender flies there.
 ADDED = 2
 #: Reserve before the deadline: ``SPARE`` steps, and one more for every ``SPARE_EVERY`` steps of the path home.
@@ -35,9 +35,17 @@ class ReturnToBase(ExploringWith):
 
     when: When = one_of("trips", get_args(When))
     """When to fly home before the end: ``trips``: when the last contact with the base is older than some flights home
-    and back take; ``every``: after a fixed number of steps; ``deadline``: at the end alone; ``never``."""
+    and back take; ``worth``: when what is not reported has waited so long that a flight home costs no more, and there
+    is time for it; ``every``: after a fixed number of steps; ``deadline``: at the end alone; ``never``."""
     trips: float = bounded(2.0, least=0)
     """``trips``: how many such flights."""
+    worth: float = bounded(0.5, least=0)
+    """``worth``: the sum over the unreported cells of the steps that they have waited, as a share of the cost of a
+    flight home: the steps by which it delays all cells that are still unknown, shared by the team. The part-period rule
+    of inventory control (J. J. DeMatteis, "An economic lot-sizing technique", IBM Systems Journal 7(1), 1968)."""
+    reserve: float = bounded(1.0, least=0)
+    """``worth``: factor on the steps that the unknown cells are expected to take at the rate so far; flights home
+    before the end must leave time for them. 0: the rest need not be explored by the deadline."""
     every: int = bounded(100, least=1)
     """``every``: steps since the last contact."""
 
@@ -59,6 +67,8 @@ class ReturnPilot(Pilot):
         self._returning = False
         self._reported = 0
         """Cells that were known when the base, or a teammate that flies there, last had all of them."""
+        self._waited = 0
+        """Sum over the steps since then of the cells that were not reported."""
         self._home = int(UNREACHABLE)
         """Steps home."""
         self._explored = False
@@ -92,7 +102,12 @@ class ReturnPilot(Pilot):
             self._explored = not self._navigator.paths.to_frontier(view.belief, view.cell, self._rng)
         self._home = int(self._field[view.cell])
         if view.base_age == 0:
-            self._reported, self._returning = self._navigator.known, False
+            self._has_reported()
+            self._returning = False
+        self._waited += self._navigator.known - self._reported
+
+    def _has_reported(self) -> None:
+        self._reported, self._waited = self._navigator.known, 0
 
     def _decide(self, view: View) -> None:
         """Begin to fly home where it is time, or leave it to a teammate that is nearer."""
@@ -104,7 +119,7 @@ class ReturnPilot(Pilot):
             return
         nearer = [mate for mate in view.mates if mate.age == 0 and _home_of(mate) < (self._home, self._briefing.agent)]
         if nearer:
-            self._reported = self._navigator.known
+            self._has_reported()
             self._handed_over += 1
         elif not self._returning:
             self._trips += 1
@@ -112,8 +127,21 @@ class ReturnPilot(Pilot):
 
     def _is_time(self, view: View) -> bool:
         silent = view.step if view.base_age is None else view.base_age
-        due = {"trips": silent > self._policy.trips * 2 * self._home, "every": silent >= self._policy.every}
+        due = {
+            "trips": silent > self._policy.trips * 2 * self._home,
+            "worth": self._is_worth_it(view),
+            "every": silent >= self._policy.every,
+        }
         return self._explored or self._is_late(view) or due.get(self._policy.when, False)
+
+    def _is_worth_it(self, view: View) -> bool:
+        """Tell whether unreported cells have waited for the cost of a flight home, and the rest leaves time for it."""
+        known = self._navigator.known
+        left, flight = view.belief.size - known, 2 * self._home / self._briefing.team
+        if self._waited < self._policy.worth * left * flight:
+            return False
+        exploring = self._policy.reserve * left * view.step / known
+        return self._policy.reserve == 0 or view.step + exploring + flight + self._home <= view.budget
 
     def _is_late(self, view: View) -> bool:
         """Tell whether the remaining steps just suffice for the flight home."""

@@ -15,7 +15,7 @@ def flown(policy, name="small-offices", seed=3, **settings):
     return fly_preset(policy, name, seed, **({"budget": 150} | settings))
 
 
-@pytest.mark.parametrize("when", ["deadline", "every", "trips"])
+@pytest.mark.parametrize("when", ["deadline", "every", "trips", "worth"])
 @pytest.mark.parametrize(("seed", "budget"), [(1, 60), (2, 97), (3, 150), (4, 300)])
 def test_a_uav_is_home_in_time(when, seed, budget):
     world, pilots, _ = flown(ReturnToBase(when=when), seed=seed, budget=budget, **HOME)
@@ -43,6 +43,16 @@ def test_the_more_trips_the_later_reports_the_fewer_flights():
     counts = [each["flights_home"] for each in flights]
     assert counts == sorted(counts, reverse=True)
     assert counts[0] > counts[-1]
+
+
+def test_a_flight_home_is_made_when_cells_have_waited_for_its_cost_and_time_is_left():
+    """Cheap flights are made often; a reserve of time forbids them where the rest would not be explored in time."""
+    often, seldom, none = (
+        flown(ReturnToBase(when="worth", worth=worth, reserve=reserve), budget=400, **HOME)[1][0, 0].tally()
+        for worth, reserve in ((0.1, 0.0), (1.0, 0.0), (0.1, 1e9))
+    )
+    assert often["flights_home"] > seldom["flights_home"] > none["flights_home"]
+    assert none == flown(ReturnToBase(when="deadline"), budget=400, **HOME)[1][0, 0].tally()
 
 
 def test_of_uavs_in_contact_the_nearest_flies_home():
