@@ -72,7 +72,7 @@ def transaction(db: sqlite3.Connection, path: Path) -> Iterator[None]:
     """Write everything in the block or nothing.
 
     Raises:
-        RunError: the disk is full, or the file cannot be written for another reason.
+        RunError: the disk is full, the file cannot be written for another reason, or another program has emptied it.
 
     """
     try:
@@ -82,6 +82,11 @@ def transaction(db: sqlite3.Connection, path: Path) -> Iterator[None]:
     except sqlite3.OperationalError as error:
         raise not_written(path, error) from error
     except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
+        if getattr(error, "sqlite_errorcode", 0) == sqlite3.SQLITE_CONSTRAINT_FOREIGNKEY:
+            raise RunError(
+                f"{path}: another program has removed what this run had written, as compare --fresh does; "
+                "run it again, with another folder if both are wanted"
+            ) from error
         raise damaged(path, error) from error
 
 

@@ -85,3 +85,8 @@ def test_where_no_plug_in_was_flown_nothing_is_simulated_again(tmp_path):
     fly(tmp_path, policy="random")
     edit(tmp_path, BETTER)
     assert [record.metrics["t99"] == 3 for record in fly(tmp_path, policy="random")] == [False, True]
+
+
+def test_a_store_that_another_program_empties_during_a_run_is_told_as_that(tmp_path):
+    with pytest.raises(RunError, match="another program has removed what this run had written"):
+        fly(tmp_path, Edits(tmp_path, "DELETE FROM policy"), episodes=40)
