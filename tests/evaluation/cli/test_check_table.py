@@ -53,6 +53,16 @@ def test_what_cannot_be_run_says_so(capsys):
     assert f"0 of {len(CHECKS)} checks passed" in words
 
 
+def test_parameters_are_written_as_for_compare(capsys, monkeypatch):
+    made = []
+    monkeypatch.setattr("indoor_explorers.env.run_checks", lambda policy: made.append(policy) or [])
+    assert run(capsys, "check", "pso(particles=7)")[0] == 0
+    assert made[0].particles == 7
+    status, printed, errors = run(capsys, "check", "pso(particles)")
+    assert (status, printed) == (2, "")
+    assert "expected parameters as in pso(length=1)" in errors
+
+
 @pytest.mark.parametrize(
     ("target", "message"),
     [
