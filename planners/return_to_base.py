@@ -41,8 +41,8 @@ class ReturnToBase(ExploringWith):
     """``trips``: how many such flights."""
     worth: float = bounded(0.5, least=0)
     """``worth``: the sum over the unreported cells of the steps that they have waited, as a share of the cost of a
-    flight home: the steps by which it delays all cells that are still unknown, shared by the team. The part-period rule
-    of inventory control (J. J. DeMatteis, "An economic lot-sizing technique", IBM Systems Journal 7(1), 1968)."""
+    flight home: the steps by which it delays all cells that are still unknown, shared by the team. J. J. DeMatteis, "An
+    economic lot-sizing technique, I: The part-period algorithm", IBM Systems Journal 7(1), 30-38, 1968."""
     reserve: float = bounded(1.0, least=0)
     """``worth``: factor on the steps that the unknown cells are expected to take at the rate so far; flights home
     before the end must leave time for them. 0: the rest need not be explored by the deadline."""
