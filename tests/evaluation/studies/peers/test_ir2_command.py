@@ -140,7 +140,7 @@ def test_the_real_simulator(tmp_path: Path) -> None:
     out = tmp_path / "out"
     assert _peer(Path(CLONE), "--policies", "frontier", "--maps", "1", "--out", str(out), python=PYTHON) == 0
     (row,) = _rows(out)
-    assert (row["map"], row["steps"], round(float(row["pixels"])), row["done"]) == ("99", "42", 1508, "True")
+    assert (row["map"], row["steps"], round(float(row["pixels"])), row["done"]) == ("99", "49", 1692, "True")
 
 
 @pytest.mark.slow
