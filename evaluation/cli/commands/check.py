@@ -18,13 +18,13 @@ class CheckOptions(Request):
 
 def check(options: CheckOptions, typed: str) -> int:
     """Run the conformance suite on a policy and print the results; the status is 1 if a check fails."""
-    from indoor_explorers.env import run_checks
+    from indoor_explorers.env import make_policy, run_checks
     from indoor_explorers.evaluation.cli.check_table import print_findings, print_header
-    from indoor_explorers.evaluation.harness.experiment.experiment import PolicyChoice
     from indoor_explorers.evaluation.harness.experiment.selection import chosen_policies
 
     (choice,) = chosen_policies([options.policy], None)
-    policy, console = PolicyChoice.model_validate(choice).make(), make_console()
+    use, parameters = (choice, {}) if isinstance(choice, str) else (choice["use"], choice["parameters"])
+    policy, console = make_policy(use, **parameters), make_console()
     print_header(console, options.policy, policy)
     with console.status("checking") if console.is_terminal else nullcontext():
         findings = list(run_checks(policy))

@@ -70,11 +70,9 @@ def _state() -> dict[str, Any]:
 
 
 def _passed(start: np.ndarray, end: np.ndarray) -> np.ndarray:
-    """Return the cells between two places in metres, (K, 2), as their functions have them."""
-    places = np.linspace(start, end, 1 + int(np.ceil(np.abs(end - start).max() / CELL_SIZE)))[1:-1]
-    if not len(places):
-        return np.empty((0, 2), np.int64)
-    return np.asarray(get_cell_position_from_coords(places, _flight["env"].belief_info).reshape(-1, 2))
+    """Return the cells between two places in metres, (K, 2), as (column, row), which their functions have."""
+    count = int(np.ceil(np.abs(end - start).max() / CELL_SIZE))
+    return _cells(list(np.linspace(start, end, 1 + count)[1:-1]))[:, ::-1]
 
 
 def _cells(points: Any) -> np.ndarray:

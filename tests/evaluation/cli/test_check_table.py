@@ -58,6 +58,8 @@ def test_parameters_are_written_as_for_compare(capsys, monkeypatch):
     monkeypatch.setattr("indoor_explorers.env.run_checks", lambda policy: made.append(policy) or [])
     assert run(capsys, "check", "pso(particles=7)")[0] == 0
     assert made[0].particles == 7
+    long = ",".join(f"{name}={value}" for name, value in {"particles": 7, "rounds": 30, "length": 3}.items())
+    assert run(capsys, "check", f"pso({long},power={0.5:.60f})")[0] == 0
     status, printed, errors = run(capsys, "check", "pso(particles)")
     assert (status, printed) == (2, "")
     assert "expected parameters as in pso(length=1)" in errors
@@ -80,6 +82,7 @@ def test_a_plugin_that_cannot_be_made_is_one_line_and_status_1(target, message, 
     ("target", "message"),
     [
         (":Policy", "expected module:Class"),
+        ("", "unknown policy ''"),
         (f"{PLUGINS}:Nobody", "has no 'Nobody'"),
         (
             f"{PLUGINS}:Wanderer",
