@@ -35,7 +35,15 @@ def allocated(kind: type[ArrayTuple], **sizes: int) -> ArrayTuple:
 def _fields(kind: type[Any]) -> list[tuple[type[np.generic], list[str]]]:
     """Return the type and the axes of each array of a named tuple."""
     annotated = [get_args(hint) for hint in get_type_hints(kind, include_extras=True).values()]
-    return [(get_args(get_args(array)[1])[0], axes.split()) for array, axes in annotated]
+    return [(_scalar_type(array), axes.split()) for array, axes in annotated]
+
+
+def _scalar_type(array: Any) -> type[np.generic]:
+    """Return the innermost argument of an array type: the alias ``NDArray`` has other arguments since numpy 2.5."""
+    while arguments := get_args(array):
+        array = arguments[-1]
+    scalar: type[np.generic] = array
+    return scalar
 
 
 def copied(arrays: ArrayTuple) -> ArrayTuple:

@@ -23,6 +23,8 @@ class TrainingConfig(LearnerSettings):
     """The network's shape."""
     also: tuple[str, ...] = ()
     """Further scenarios that the same network is trained on at the same time: presets or ``.toml`` files."""
+    map_count: int = Field(0, ge=0)
+    """Different maps (with their starts) in the training, flown in turn; 0: each episode draws a new one."""
     team: int | None = Field(None, ge=1)
     """UAVs in each training episode; None: as in the scenarios. The rewards of a single UAV are less noisy, and the
     network still works in teams if planner features leave cells to the teammates that are closer to them."""

@@ -36,7 +36,7 @@ from indoor_explorers.learners.dddqn.weights import write_weights
 from indoor_explorers.learners.sessions.checkpoint import read_checkpoint, reporting_damage, write_checkpoint
 from indoor_explorers.learners.sessions.evaluation import T90, Evaluation, evaluate_world, mean_evaluation
 from indoor_explorers.learners.sessions.record import new_record
-from indoor_explorers.learners.sessions.seeds import evaluation_seeds, prior_seeds, training_seeds
+from indoor_explorers.learners.sessions.seeds import episode_seed, evaluation_seeds, prior_seeds, training_seeds
 from indoor_explorers.learners.sessions.session import Session, Trainee, TrainingStatus
 from indoor_explorers.learners.sessions.tensorboard import Scalars
 from indoor_explorers.learners.sessions.train import TrainingMethod
@@ -85,7 +85,8 @@ class Training(Trainee):
         observation = self.config.observation
         if not (observation.tours or "chance" in observation.layers):
             return no_prior()
-        return fit_prior(collect_all(self.tasks, prior_seeds(self.seed), self.config.prior_notes), self.seed)
+        first = self._first_seed if self.config.map_count else prior_seeds(self.seed)
+        return fit_prior(collect_all(self.tasks, first, self.config.prior_notes, self.config.map_count), self.seed)
 
     def _sdraws(self) -> int:
         sdraws = self.config.replay_steps // self.flight.columns
@@ -99,7 +100,7 @@ class Training(Trainee):
 
     def _next_seed(self) -> int:
         self.episodes += 1
-        return self._first_seed + self.episodes
+        return episode_seed(self._first_seed, self.episodes, self.config.map_count)
 
     @property
     def share(self) -> float:

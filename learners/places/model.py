@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 
 from indoor_explorers.learners.places.flights import ChoiceArrays
-from indoor_explorers.learners.places.network import HIDDEN, NetworkWeights
+from indoor_explorers.learners.places.network import WIDTH, NetworkWeights
 from indoor_explorers.learners.places.scene import COMMON, PLACE
 from indoor_explorers.learners.places.truth import TRUE_COMMON, TRUE_PLACE
 
@@ -63,12 +63,15 @@ class _Set(nn.Module):
 
 
 class AdvantageNet(nn.Module):
-    """The dueling network without its state value: values of places relative to each other. This part flies."""
+    """The dueling network without its state value: values of places relative to each other. This part flies.
 
-    def __init__(self) -> None:
+    Every hidden layer has ``width`` units.
+    """
+
+    def __init__(self, width: int = WIDTH) -> None:
         super().__init__()
-        self.set = _Set(PLACE, COMMON, HIDDEN)
-        self.joined, self.out = nn.Linear(3 * HIDDEN, HIDDEN), nn.Linear(HIDDEN, 1)
+        self.set = _Set(PLACE, COMMON, width)
+        self.joined, self.out = nn.Linear(3 * width, width), nn.Linear(width, 1)
         nn.init.normal_(self.out.weight, std=1e-3)
         nn.init.zeros_(self.out.bias)
 

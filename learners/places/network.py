@@ -18,8 +18,8 @@ from indoor_explorers.learners.places.scene import COMMON, PLACE, Scene
 from indoor_explorers.planners.toolbox.networks.layers import linear, relu
 from indoor_explorers.planners.toolbox.networks.weights_file import read_once, read_weights_file, write_weights_file
 
-#: Width of every hidden layer.
-HIDDEN = 64
+#: Default width of every hidden layer.
+WIDTH = 64
 
 
 class NetworkWeights(NamedTuple):
@@ -47,10 +47,10 @@ class Loaded(NamedTuple):
     """Whether the network sees the other places beside each place."""
 
 
-def shapes() -> dict[str, tuple[int, ...]]:
-    """Return the shapes of the weights by name."""
-    sizes = {"first": (PLACE + COMMON, HIDDEN), "second": (HIDDEN, HIDDEN), "joined": (3 * HIDDEN, HIDDEN)}
-    sizes["out"] = (HIDDEN, 1)
+def shapes(width: int = WIDTH) -> dict[str, tuple[int, ...]]:
+    """Return the shapes of the weights by name, for hidden layers of ``width`` units."""
+    sizes = {"first": (PLACE + COMMON, width), "second": (width, width), "joined": (3 * width, width)}
+    sizes["out"] = (width, 1)
     biases = {f"{name}_bias": (shape[1],) for name, shape in sizes.items()}
     return {name: (sizes | biases)[name] for name in NetworkWeights._fields}
 
@@ -107,4 +107,5 @@ def load_weights(path: Path) -> Loaded:
     prior, guess, others = file.described(
         lambda about: (float(about["prior"]), bool(about["guess"]), bool(about["others"]))
     )
-    return Loaded(NetworkWeights(**file.checked(shapes())), prior, guess, others)
+    width = file.arrays["second_bias"].size if "second_bias" in file.arrays else WIDTH
+    return Loaded(NetworkWeights(**file.checked(shapes(width))), prior, guess, others)

@@ -25,7 +25,7 @@ from pydantic import Field
 from indoor_explorers.learners.places.flights import choices_of, fly, read_choices, write_choices
 from indoor_explorers.learners.places.learning import LATER, advantages, explained, learn_choices, learn_values
 from indoor_explorers.learners.places.model import AdvantageNet, load_into, weights_of
-from indoor_explorers.learners.places.network import Loaded, NetworkWeights, write_weights
+from indoor_explorers.learners.places.network import WIDTH, Loaded, NetworkWeights, write_weights
 from indoor_explorers.learners.places.policy import NAME
 from indoor_explorers.learners.pockets.maps import FLIGHTS, MapSettings, TrainingMaps, map_record
 from indoor_explorers.learners.sessions.checkpoint import read_checkpoint, reporting_damage, write_checkpoint
@@ -56,6 +56,8 @@ class TrainingConfig(MapSettings):
     """Show the network the estimates of the free space behind the clusters."""
     others: bool = True
     """Show the network the other places beside each place."""
+    width: int = Field(WIDTH, ge=8, le=4096)
+    """Units of each hidden layer."""
     workers: int = Field(2, ge=1, exclude=True)
     """Processes that fly; the weights do not depend on it."""
     evaluation_every: int = Field(1, ge=1)
@@ -100,7 +102,7 @@ class PlacesTraining(Trainee):
         if checkpoint is None:
             shutil.rmtree(self.folder, ignore_errors=True)  # of a training that was killed before its first checkpoint
             torch.manual_seed(seed)
-            self.networks = [weights_of(AdvantageNet())]
+            self.networks = [weights_of(AdvantageNet(config.width))]
             """The untrained network, and that after each round."""
         else:
             self._restore(checkpoint)
@@ -146,7 +148,7 @@ class PlacesTraining(Trainee):
         torch.manual_seed(1000 * self.seed + self.rounds)
         choices = read_choices(paths)
         values = learn_values(choices)
-        network = AdvantageNet()
+        network = AdvantageNet(self.config.width)
         load_into(network, self.networks[-1])
         error = learn_choices(network, choices, advantages(choices, values, LATER))
         self.networks.append(weights_of(network))

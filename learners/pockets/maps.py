@@ -72,12 +72,16 @@ class TrainingMaps:
     """Map files with a scale, or pictures of 4 pixels a cell."""
     real: float = 0.6
     """Share of maps from files, if there are any."""
+    number: int = 0
+    """Different maps; 0: every map is new."""
 
     def draw(self, rng: np.random.Generator) -> Floorplan:
         """Return a map; its name is ``GENERATED`` or that of its file.
 
         Raises :class:`InputError` where no attempt finds one that is large enough.
         """
+        if self.number:
+            rng = np.random.default_rng([int(rng.integers(self.number)), 13])
         for _ in range(ATTEMPTS):
             plan = self._attempt(rng)
             if plan is not None and np.count_nonzero(plan.truth == FREE) >= LEAST_FREE:
@@ -189,6 +193,8 @@ class MapSettings(LearnerSettings):
     """Suites whose train parts to learn from, besides generated maps."""
     data: Names = Field((), exclude=True)
     """Folders with clones of the repositories of the suites; not part of the record."""
+    map_count: int = Field(0, ge=0)
+    """Different maps in the training; 0: each flight draws a new one."""
 
     @property
     def folders(self) -> list[Path]:
@@ -201,7 +207,7 @@ class MapSettings(LearnerSettings):
         Raises :class:`InputError` where files are missing, or a suite generates its maps.
         """
         files = [map_files(name, Part.TRAIN, self.folders) for name in self.suites]
-        return TrainingMaps(paths=tuple(path for each in files for path in each.paths))
+        return TrainingMaps(tuple(path for each in files for path in each.paths), number=self.map_count)
 
 
 def map_record(learner: str, config: MapSettings, scenario: Scenario | None, seed: int) -> TrainingRecord:

@@ -22,6 +22,11 @@ def training_seeds(seed: int) -> int:
     return SEED_BLOCK * (1 + 2 * seed)
 
 
+def episode_seed(first: int, number: int, maps: int) -> int:
+    """Return the seed of an episode; with ``maps`` other than 0 there are that many seeds, used in turn."""
+    return first + (number % maps if maps else number)
+
+
 def prior_seeds(seed: int) -> int:
     """Return the first seed of the maps that the map prior is fitted to: the last quarter of the training's block."""
     return training_seeds(seed) + 3 * SEED_BLOCK // 4

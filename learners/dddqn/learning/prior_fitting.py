@@ -2,12 +2,13 @@
 
 UAVs fly to the nearest place with a view of unknown cells. Every few ticks each unknown cell with a known obstacle near
 it becomes an example: the cells around it, and whether coverage counts it. This happens before the training, on maps
-that no training episode uses.
+that no training episode uses, unless the training has a number of maps.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import count
 from typing import NamedTuple
 
 import numpy as np
@@ -30,6 +31,7 @@ from indoor_explorers.learners.dddqn.observation.map_prior import (
     prior_from,
     write_patch,
 )
+from indoor_explorers.learners.sessions.seeds import episode_seed
 
 #: Most parallel episodes, and ticks between two collections of examples.
 EPISODES, EVERY = 1024, 5
@@ -63,9 +65,9 @@ def _note(belief: np.ndarray, counts: np.ndarray, patch: np.ndarray, label: np.n
     return found
 
 
-def collect(scenario: Scenario, first_seed: int, most: int) -> PriorExamples:
-    """Collect up to ``most`` examples on maps whose seeds begin at ``first_seed``."""
-    seeds = iter(range(first_seed, first_seed + 2**30))
+def collect(scenario: Scenario, first_seed: int, most: int, maps: int = 0) -> PriorExamples:
+    """Collect up to ``most`` examples on maps whose seeds begin at ``first_seed``; 0 ``maps`` are as many as needed."""
+    seeds = (episode_seed(first_seed, number, maps) for number in count())
     sight = ObservationConfig(layers=("unknown",), coarse=0, sides=False, visits=False, tours=False)
     flight = VectorFlight(scenario, sight, no_prior(), 1, lambda: next(seeds))
     episodes = min(max(CELLS // (flight.shape[0] * flight.shape[1]), FEWEST), EPISODES)
@@ -86,9 +88,9 @@ def collect(scenario: Scenario, first_seed: int, most: int) -> PriorExamples:
     return PriorExamples(patch[:found], label[:found])
 
 
-def collect_all(scenarios: Sequence[Scenario], first_seed: int, most: int) -> PriorExamples:
-    """Collect up to ``most`` examples from several scenarios, equally many from each."""
-    parts = [collect(scenario, first_seed, most // len(scenarios)) for scenario in scenarios]
+def collect_all(scenarios: Sequence[Scenario], first_seed: int, most: int, maps: int = 0) -> PriorExamples:
+    """Collect up to ``most`` examples from several scenarios, equally many from each, as :func:`collect` does."""
+    parts = [collect(scenario, first_seed, most // len(scenarios), maps) for scenario in scenarios]
     return PriorExamples(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
 
 

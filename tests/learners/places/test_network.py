@@ -6,15 +6,15 @@ import torch
 
 from indoor_explorers.env import InputError
 from indoor_explorers.learners.places.model import AdvantageNet, Batch, load_into, weights_of
-from indoor_explorers.learners.places.network import Loaded, load_weights, shapes, values, write_weights
+from indoor_explorers.learners.places.network import WIDTH, Loaded, load_weights, shapes, values, write_weights
 from indoor_explorers.learners.places.truth import TRUE_COMMON, TRUE_PLACE
 from indoor_explorers.planners.toolbox.networks.tensors import write_tensors
 from tests.learners.places.small import random_scene
 
 
-def some_network(seed: int = 0) -> AdvantageNet:
+def some_network(seed: int = 0, width: int = WIDTH) -> AdvantageNet:
     torch.manual_seed(seed)
-    network = AdvantageNet()
+    network = AdvantageNet(width)
     torch.nn.init.normal_(network.out.weight)
     return network
 
@@ -40,13 +40,14 @@ def test_the_order_of_the_places_does_not_matter() -> None:
     np.testing.assert_allclose(values(mixed, loaded), values(scene, loaded)[order], rtol=1e-5)
 
 
-def test_weights_are_kept_in_files(tmp_path: Path) -> None:
-    loaded = Loaded(weights_of(some_network()), 0.25, guess=False, others=True)
+@pytest.mark.parametrize("width", [WIDTH, 24])
+def test_weights_are_kept_in_files(tmp_path: Path, width: int) -> None:
+    loaded = Loaded(weights_of(some_network(width=width)), 0.25, guess=False, others=True)
     write_weights(tmp_path / "a.safetensors", loaded)
     found = load_weights(tmp_path / "a.safetensors")
     assert found[1:] == loaded[1:]
     assert all(np.array_equal(a, b) for a, b in zip(found.weights, loaded.weights, strict=True))
-    again = some_network(1)
+    again = some_network(1, width)
     load_into(again, found.weights)
     assert all(np.array_equal(a, b) for a, b in zip(weights_of(again), loaded.weights, strict=True))
 

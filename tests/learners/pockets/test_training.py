@@ -69,6 +69,11 @@ def test_training_maps_are_connected_and_repeat_with_the_seed() -> None:
         assert (largest_part(free) == free).all()
 
 
+def test_a_training_of_some_maps_draws_no_others() -> None:
+    drawn = [TrainingMaps(number=2).draw(np.random.default_rng(seed)).truth.tobytes() for seed in range(12)]
+    assert len(set(drawn)) == 2
+
+
 def test_maps_are_turned_cut_and_roughened() -> None:
     rng = np.random.default_rng(1)
     free = np.ones((20, 30), np.bool_)

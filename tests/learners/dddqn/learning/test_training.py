@@ -125,6 +125,17 @@ def test_training_and_evaluation_never_share_an_episode() -> None:
     assert all(np.array_equal(copies[name], array) for name, array in before.items())
 
 
+def test_a_training_of_some_maps_flies_no_others() -> None:
+    training = Training(TINY.model_copy(update={"map_count": 3}), small_room(), 1)
+    truths = set()
+    for _ in range(60):
+        training.update()
+        truths |= {room.tobytes() for room in training.flight.flights[0].world.state.truth}
+    assert training.episodes > 3
+    assert set(training.flight.flights[0].world.seeds) <= set(range(3 * SEED_BLOCK, 3 * SEED_BLOCK + 3))
+    assert 1 < len(truths) <= 3
+
+
 def test_the_schedules_end_where_they_say() -> None:
     config = TrainingConfig()
     assert (config.epsilon(0.0), config.gamma(0.0), config.rate(0.0)) == (0.25, 0.97, 5e-4)

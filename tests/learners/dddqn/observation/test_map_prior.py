@@ -73,3 +73,9 @@ def test_rooms_without_obstacles_have_no_prior() -> None:
     assert len(examples.counts) == 0
     assert len(fit_prior(examples, 1).hidden) == 0
     assert len(fit_prior(PriorExamples(np.zeros((5, 49), np.uint8), np.ones(5, np.bool_)), 1).hidden) == 0
+
+
+def test_examples_of_few_maps_are_the_same_few() -> None:
+    scenario = PRESETS["thesis-obstacles"].for_evaluation()
+    kinds = [len(np.unique(collect(scenario, 5, 3_000, maps).patch, axis=0)) for maps in (0, 2)]
+    assert kinds[1] < 0.5 * kinds[0]
