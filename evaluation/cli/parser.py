@@ -1,4 +1,4 @@
-"""The command line: ``indoor-explorers compare | watch | report | export | train | ablate | thesis | bench | ...``."""
+"""The command line: ``indoor-explorers compare | watch | report | export | train | ablate | scale | bench | ...``."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import IO, Any, NamedTuple
 
-from indoor_explorers.env import InputError
+from indoor_explorers.env import InputError, Scenario
 from indoor_explorers.env.errors import did_you_mean
 from indoor_explorers.env.files import written_whole
 from indoor_explorers.env.scenarios.loading import named_scenario
@@ -36,8 +36,8 @@ class Training(NamedTuple):
     """One training of a study."""
 
     learner: str
-    scenario: str
-    """Name or file of the scenario."""
+    scenario: str | None
+    """Name or file of the scenario; None for a learner that draws its own maps and tasks."""
     variant: str
     """Name of the variant or experiment in the study."""
     seed: int
@@ -58,8 +58,15 @@ class Training(NamedTuple):
             InputError: the folder holds another training, or there is no such learner, scenario or setting.
 
         """
-        config, scenario = configured(self.learner, self.settings), named_scenario(self.scenario)
-        return find_learner(self.learner).train.finished(config, scenario, Path(self.folder), seed=self.seed)
+        config = configured(self.learner, self.settings)
+        return find_learner(self.learner).train.finished(config, self.task(), Path(self.folder), seed=self.seed)
+
+    def task(self) -> Scenario | None:
+        """Return the scenario.
+
+        Raises :class:`InputError` if there is none of the name.
+        """
+        return None if self.scenario is None else named_scenario(self.scenario)
 
 
 class Failure(NamedTuple):
@@ -182,9 +189,8 @@ def _took(training: Training) -> str:
 
 def run(training: Training) -> None:
     """Run one training in this process, or resume it."""
-    scenario = named_scenario(training.scenario)
     run_training(
-        training.learner, scenario, training.settings, out=Path(training.folder), seed=training.seed, resume=True
+        training.learner, training.task(), training.settings, out=Path(training.folder), seed=training.seed, resume=True
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -134,6 +135,35 @@ TEAM_ABLATIONS: Mapping[str, Mapping[str, Any]] = {
     "mates": _MATES,
     "identity": _IDENTITY,
     "mates-identity": {**_MATES, **_IDENTITY},
+}
+
+
+def _budget(moves: int) -> dict[str, Any]:
+    """Return the settings of a training of so many moves; averaging takes the same share of each."""
+    return {
+        "total_steps": moves,
+        "average_rate": 0.001 * 3_000_000 / moves,
+        "evaluation_every": moves // 4,
+        "evaluation_episodes": 100,
+        "checkpoint_every": 375_000,
+    }
+
+
+#: Moves of the trainings of other widths and numbers of maps.
+_MEDIUM = 750_000
+
+#: Settings of the trainings of the scaling study, by name.
+SCALING: Mapping[str, Mapping[str, Any]] = {
+    **{f"steps-{moves}": _budget(moves) for moves in (46_875, 187_500, _MEDIUM, 3_000_000)},
+    **{f"width-{width}": _budget(_MEDIUM) | {"network.width": width} for width in (64, 1024)},
+    **{f"maps-{maps}": _budget(_MEDIUM) | {"map_count": maps} for maps in (16, 256, 4096)},
+}
+
+#: Its axes: names of trainings by level.
+SCALING_AXES: Mapping[str, Mapping[float, str]] = {
+    "moves in training": {moves: f"steps-{moves}" for moves in (46_875, 187_500, _MEDIUM, 3_000_000)},
+    "units of a hidden layer": {64: "width-64", 256: f"steps-{_MEDIUM}", 1024: "width-1024"},
+    "maps in training": {16: "maps-16", 256: "maps-256", 4096: "maps-4096", math.inf: f"steps-{_MEDIUM}"},
 }
 
 

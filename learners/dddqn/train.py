@@ -31,7 +31,15 @@ from indoor_explorers.learners.dddqn.learning.vector_flight import VectorFlight
 from indoor_explorers.learners.dddqn.network.model import arrays
 from indoor_explorers.learners.dddqn.observation.layout import BLOCKED_AT
 from indoor_explorers.learners.dddqn.observation.map_prior import MapPrior, no_prior, prior_arrays, prior_from
-from indoor_explorers.learners.dddqn.presets import ABLATION_SETTINGS, ABLATIONS, PRESETS, TEAM_ABLATIONS, flown
+from indoor_explorers.learners.dddqn.presets import (
+    ABLATION_SETTINGS,
+    ABLATIONS,
+    PRESETS,
+    SCALING,
+    SCALING_AXES,
+    TEAM_ABLATIONS,
+    flown,
+)
 from indoor_explorers.learners.dddqn.weights import write_weights
 from indoor_explorers.learners.sessions.checkpoint import read_checkpoint, reporting_damage, write_checkpoint
 from indoor_explorers.learners.sessions.evaluation import T90, Evaluation, evaluate_world, mean_evaluation
@@ -42,7 +50,17 @@ from indoor_explorers.learners.sessions.tensorboard import Scalars
 from indoor_explorers.learners.sessions.train import TrainingMethod
 from indoor_explorers.planners.toolbox.networks.tensors import WEIGHTS
 
-__all__ = ["ABLATIONS", "ABLATION_SETTINGS", "PRESETS", "TEAM_ABLATIONS", "TrainingConfig", "flown", "train"]
+__all__ = [
+    "ABLATIONS",
+    "ABLATION_SETTINGS",
+    "PRESETS",
+    "SCALING",
+    "SCALING_AXES",
+    "TEAM_ABLATIONS",
+    "TrainingConfig",
+    "flown",
+    "train",
+]
 
 
 class Training(Trainee):

@@ -9,10 +9,11 @@ and tasks, so it takes no scenario. The folder gets ``places.safetensors`` (the 
 
 from __future__ import annotations
 
+import math
 import multiprocessing
 import shutil
 import signal
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
@@ -33,7 +34,7 @@ from indoor_explorers.learners.sessions.session import Session, Trainee, Trainin
 from indoor_explorers.learners.sessions.tensorboard import Scalars
 from indoor_explorers.learners.sessions.train import TrainingMethod
 
-__all__ = ["DEFAULT_SCENARIO", "TrainingConfig", "train"]
+__all__ = ["DEFAULT_SCENARIO", "SCALING", "SCALING_AXES", "TrainingConfig", "flown", "train"]
 
 #: Flights in one file; a Ctrl-C waits for the file that is ready next.
 TOGETHER = 5
@@ -206,6 +207,25 @@ class PlacesTraining(Trainee):
 
 #: There is none: each flight draws its map, lidar, team and radio.
 DEFAULT_SCENARIO = None
+
+#: Settings of the trainings of the scaling study, by name: three rounds of so many flights.
+SCALING: Mapping[str, Mapping[str, Any]] = {
+    **{f"flights-{3 * flights}": {"flights": flights} for flights in (12, 50, 200, 800)},
+    **{f"width-{width}": {"flights": 200, "width": width} for width in (16, 256)},
+    **{f"maps-{maps}": {"flights": 200, "map_count": maps} for maps in (8, 64)},
+}
+
+#: Its axes: names of trainings by level.
+SCALING_AXES: Mapping[str, Mapping[float, str]] = {
+    "flights in training": {flights: f"flights-{flights}" for flights in (36, 150, 600, 2400)},
+    "units of a hidden layer": {16: "width-16", WIDTH: "flights-600", 256: "width-256"},
+    "maps in training": {8: "maps-8", 64: "maps-64", math.inf: "flights-600"},
+}
+
+
+def flown(weights: Path) -> dict[str, Any]:
+    """Return the policy, as in an experiment file, that flies trained weights."""
+    return {"use": "dddqn-places", "parameters": {"weights": str(weights.resolve())}}
 
 
 @contextmanager

@@ -142,7 +142,8 @@ class RecordedWeights:
 def existing_record(mine: Kind, config: LearnerSettings, folder: Path) -> Kind | None:
     """Return the record in a folder, of the same training as the new record ``mine``; None without one.
 
-    Settings that were added since it was written have their defaults, those of ``config``.
+    Settings that were added since it was written have their defaults, those of ``config``. The weights do not depend
+    on how often a checkpoint is written, so that may differ.
 
     Raises :class:`InputError` if the folder holds another training: of another learner, seed, scenario or
     configuration.
@@ -157,7 +158,7 @@ def existing_record(mine: Kind, config: LearnerSettings, folder: Path) -> Kind |
     found = {name: getattr(there, name) for name in ("seed", "fingerprint")} | there.config
     found["task"] = mine.task if there.task is None else there.task
     for name, value in asked.items():
-        if found.get(name) != value:
+        if name != "checkpoint_every" and found.get(name) != value:
             raise InputError(
                 f"{folder} holds a training with {name} {found.get(name)}, expected {value}; give the same as then, or "
                 "another --out"

@@ -22,11 +22,11 @@ from indoor_explorers.evaluation.cli.commands.peer_ir2 import IR2
 from indoor_explorers.evaluation.cli.commands.playground import PLAYGROUND
 from indoor_explorers.evaluation.cli.commands.report import REPORT
 from indoor_explorers.evaluation.cli.commands.suites import SUITES
-from indoor_explorers.evaluation.cli.commands.training import ABLATE, THESIS, TRAIN
+from indoor_explorers.evaluation.cli.commands.training import ABLATE, SCALE, THESIS, TRAIN
 from indoor_explorers.evaluation.cli.commands.watch import WATCH
 
 #: All commands, in the order of the help.
 COMMANDS: tuple[Command[Any], ...] = (
-    *(DEMO, PLAYGROUND, COMPARE, WATCH, REPORT, IMPORT, EXPORT, LEADERBOARD, DARE, IR2, TRAIN, ABLATE, THESIS),
+    *(DEMO, PLAYGROUND, COMPARE, WATCH, REPORT, IMPORT, EXPORT, LEADERBOARD, DARE, IR2, TRAIN, ABLATE, SCALE, THESIS),
     *(POLICIES, SCENARIOS, LEARNERS, SUITES, MAPS, AUDIT, BENCH, NEW, CHECK),
 )

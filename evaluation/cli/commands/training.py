@@ -1,9 +1,10 @@
-"""``train``, ``ablate`` and ``thesis``: train learners and evaluate them."""
+"""``train``, ``ablate``, ``scale`` and ``thesis``: train learners and evaluate them."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 from indoor_explorers.evaluation.cli.command import Command, make_console, print_line
 from indoor_explorers.evaluation.harness.experiment.request import (
@@ -16,8 +17,16 @@ from indoor_explorers.evaluation.harness.experiment.request import (
     read_names,
 )
 
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from indoor_explorers.evaluation.studies.many_trainings import Failure
+    from indoor_explorers.evaluation.studies.variants.study import StudyRequest
+
 COUNT = Option(metavar="N", read=read_count)
 DEFAULT_SCENARIO = "thesis-obstacles"
+#: The scenario that networks fly in a scaling study where the learner draws its own.
+DEFAULT_FLOORS = "small-floors"
 
 
 class TrainOptions(Request):
@@ -60,15 +69,13 @@ def run_train(options: TrainOptions, typed: str) -> int:
     )
 
 
-class AblateOptions(Request):
-    """The options of ``ablate``."""
+class VariantOptions(Request):
+    """The options of the studies that train variants of a learner."""
 
     learner: Annotated[str, Option(metavar="NAME")] = "dddqn"
     """The learner."""
-    scenario: Annotated[str, Option(metavar="PRESET|FILE.toml")] = DEFAULT_SCENARIO
-    """The scenario to train on."""
     only: Annotated[tuple[list[str], ...], Option(metavar="PATTERN", read=read_names, several=True)] = (["*"],)
-    """Train only the variants whose names match, and the full one."""
+    """Train only the variants whose names match; an ablation also trains the full one."""
     seeds: Annotated[int, COUNT] = 3
     """Number of trainings of each variant, each with another seed."""
     settings: Settings = NO_SETTINGS
@@ -80,27 +87,68 @@ class AblateOptions(Request):
     out: Annotated[Path, Option(metavar="DIR")]
     """Folder for trainings, table and figures; an existing one is resumed."""
 
+    def study(self, scenario: str, settings: Mapping[str, Any], typed: str) -> StudyRequest:
+        """Return the study on a scenario, with ``settings`` that the user's take precedence over."""
+        from indoor_explorers.env.scenarios.loading import named_scenario
+        from indoor_explorers.evaluation.studies.variants.study import StudyRequest
+
+        return StudyRequest(
+            learner=self.learner,
+            scenario_name=scenario,
+            scenario=named_scenario(scenario),
+            out=self.out,
+            patterns=[pattern for patterns in self.only for pattern in patterns],
+            settings={**settings, **self.settings},
+            seeds=self.seeds,
+            jobs=self.jobs,
+            episodes=self.episodes,
+            command=typed,
+        )
+
+
+class AblateOptions(VariantOptions):
+    """The options of ``ablate``."""
+
+    scenario: Annotated[str, Option(metavar="PRESET|FILE.toml")] = DEFAULT_SCENARIO
+    """The scenario to train on."""
+
 
 def run_ablate(options: AblateOptions, typed: str) -> int:
     """Train a learner's variants and print what each ingredient is worth; the status is 1 if a training failed."""
-    from indoor_explorers.evaluation.studies.ablation import run_ablation
+    from indoor_explorers.evaluation.studies.variants import run_ablation
 
     console = make_console()
-    failures = run_ablation(
-        options.learner,
-        options.scenario,
-        options.out,
-        console,
-        patterns=[pattern for patterns in options.only for pattern in patterns],
-        settings=options.settings,
-        seeds=options.seeds,
-        jobs=options.jobs,
-        episodes=options.episodes,
-        command=typed,
-    )
+    return _told(console, run_ablation(options.study(options.scenario, {}, typed), console))
+
+
+def _told(console: Console, failures: Sequence[Failure]) -> int:
+    """Print the trainings that failed, and return the exit status."""
     for training, reason in failures:
         print_line(console, f"failed: {training.title}: {reason}", "red")
     return 1 if failures else 0
+
+
+class ScaleOptions(VariantOptions):
+    """The options of ``scale``."""
+
+    preset: Annotated[str | None, Option(metavar="NAME")] = None
+    """Take scenario and hyperparameters from a preset of ``train``."""
+    scenario: Annotated[str | None, Option(metavar="PRESET|FILE.toml")] = None
+    """The scenario to train on and to fly (default thesis-obstacles). Learners that draw their own maps and tasks only
+    fly it (default small-floors)."""
+
+
+def run_scale(options: ScaleOptions, typed: str) -> int:
+    """Train with more and less experience, width and maps; the status is 1 if a training failed."""
+    from indoor_explorers.evaluation.studies.training import find_learner, preset_of
+    from indoor_explorers.evaluation.studies.variants import run_scaling
+
+    preset = None if options.preset is None else preset_of(options.learner, options.preset)
+    default = getattr(find_learner(options.learner), "DEFAULT_SCENARIO", DEFAULT_SCENARIO) or DEFAULT_FLOORS
+    scenario = options.scenario or (preset.scenario if preset else default)
+    console = make_console()
+    request = options.study(scenario, preset.settings if preset else {}, typed)
+    return _told(console, run_scaling(request, console))
 
 
 class ThesisOptions(Request):
@@ -141,6 +189,7 @@ def run_thesis_experiments(options: ThesisOptions, typed: str) -> int:
 
 TRAIN = Command("train", "train a learner: the DDDQN, or a baseline through another library", TrainOptions, run_train)
 ABLATE = Command("ablate", "train a learner without each of its ingredients, and compare", AblateOptions, run_ablate)
+SCALE = Command("scale", "train with more and less experience, width and maps, and compare", ScaleOptions, run_scale)
 THESIS = Command(
     "thesis", "repeat every experiment of the IndoorExplorers thesis", ThesisOptions, run_thesis_experiments
 )

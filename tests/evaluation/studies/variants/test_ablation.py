@@ -15,27 +15,22 @@ from indoor_explorers.env.scenarios.validation import validated
 from indoor_explorers.evaluation.cli.parser import main
 from indoor_explorers.evaluation.harness.results.results import Results
 from indoor_explorers.evaluation.studies import many_trainings
-from indoor_explorers.evaluation.studies.ablation.ablation import COLUMNS, runs_of, write_table
-from indoor_explorers.evaluation.studies.ablation.drawing import on_one_grid
-from indoor_explorers.evaluation.studies.ablation.scoring import VariantScore
 from indoor_explorers.evaluation.studies.many_trainings import Training, train_all
 from indoor_explorers.evaluation.studies.training import nested
+from indoor_explorers.evaluation.studies.variants.ablation import COLUMNS, runs_of, write_table
+from indoor_explorers.evaluation.studies.variants.ablation_drawing import on_one_grid
+from indoor_explorers.evaluation.studies.variants.scoring import VariantScore
 from indoor_explorers.learners.dddqn import train as dddqn
 from indoor_explorers.learners.sessions.record import RECORD
 from tests.evaluation.studies.inline import Inline, inline
+from tests.evaluation.studies.variants.requests import TINY, small_room, study_request
 
-SHORT = "prior_notes=2000 total_steps=200 environments=4 warmup_steps=40 batch=8 replay_steps=400 evaluation_every=100"
-SMALL = "evaluation_episodes=2 device=cpu network.width=16 observation.tours=false observation.coarse=0"
-TINY = [*SHORT.split(), *SMALL.split()]
 BROKEN = {"broken": {"replay_steps": 40}}
 
 
 @pytest.fixture(scope="module")
 def room(tmp_path_factory):
-    path = tmp_path_factory.mktemp("room") / "room.toml"
-    small = {"map.height": 8, "map.width": 8, "budget": 60}
-    path.write_text(PRESETS["thesis-open"].with_settings(small).model_copy(update={"name": "room"}).to_toml())
-    return path
+    return small_room(tmp_path_factory.mktemp("room"))
 
 
 @pytest.fixture(scope="module")
@@ -71,7 +66,7 @@ def test_every_variant_is_a_training_of_its_own():
 def test_only_what_is_asked_for_is_trained_and_teams_have_more(tmp_path):
     def names(team, *patterns):
         task = PRESETS["thesis-open"].with_settings({"team": team})
-        found = runs_of("dddqn", "thesis-open", task, patterns=patterns, settings={}, seeds=2, out=tmp_path)
+        found = runs_of(study_request(tmp_path, scenario_name="thesis-open", scenario=task, patterns=patterns))
         return [(run.variant, run.seed) for run in found]
 
     wanted = ("full", "1-step", "no-tour-start", "no-tours")

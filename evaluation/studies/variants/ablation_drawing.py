@@ -22,7 +22,7 @@ from indoor_explorers.evaluation.drawing.print_style import (
     sheet,
     strokes,
 )
-from indoor_explorers.evaluation.studies.ablation.scoring import VariantScore
+from indoor_explorers.evaluation.studies.variants.scoring import VariantScore
 
 #: Number of learning curves besides the full variant's; the variants that differ most are drawn.
 CURVES = 4

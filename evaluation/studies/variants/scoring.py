@@ -1,4 +1,4 @@
-"""Flies the trained networks of an ablation on the same unseen maps, and averages the times of each variant."""
+"""Flies the trained networks of a study on the same unseen maps, and averages the times of each variant."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from indoor_explorers.evaluation.statistics import Estimate, difference_of_seeds
 from indoor_explorers.evaluation.studies.many_trainings import Training
 from indoor_explorers.evaluation.studies.training import find_learner
 
-#: Folder of the evaluation episodes inside that of the ablation.
+#: Folder of the evaluation episodes inside that of the study.
 FLIGHTS = "judged"
 
 
@@ -40,7 +40,8 @@ class VariantScore:
     minutes: float
     """Mean training time."""
     curves: list[NDArray[np.float64]]
-    """For each training (2, K): moves made, and mean steps to the goal in the evaluation at that time."""
+    """For each training (2, K): moves made, and mean steps to the goal in the evaluation at that time; K is 0 for
+    learners that do not evaluate these."""
 
     def mean(self, metric: str) -> Estimate:
         """Return the mean of a time over trainings and episodes."""
@@ -58,12 +59,9 @@ class VariantScore:
 def score(
     runs: Sequence[Training], scenario: Scenario, out: Path, *, episodes: int, workers: int, command: str
 ) -> list[VariantScore]:
-    """Fly the missing episodes of the finished trainings; return the variants in order, the full one first.
-
-    The list is empty while no training of the full variant is finished.
-    """
+    """Fly the missing episodes of the finished trainings; return the variants in order, without unfinished ones."""
     finished = [(run, record) for run in runs if (record := run.finished()) is not None]
-    if not any(run.variant == runs[0].variant for run, _ in finished):
+    if not finished:
         return []
     module, task = find_learner(runs[0].learner), scenario.for_evaluation()
     policies = [module.flown(Path(run.folder) / module.train.weights) | {"name": run.title} for run, _ in finished]
@@ -96,5 +94,5 @@ def _score(group: Sequence[tuple[Training, Any]], results: Results, scenario: st
 
 def _curve(record: Any) -> NDArray[np.float64]:
     """Return (2, K) the moves before each evaluation, and its mean steps to the goal."""
-    trials = [(trial["steps"], trial["t_goal"]) for trial in record.evaluations]
+    trials = [(trial["steps"], trial["t_goal"]) for trial in record.evaluations if "t_goal" in trial]
     return np.array(trials, np.float64).reshape(-1, 2).T
