@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from indoor_explorers.env.interfaces.pettingzoo import env, parallel_env
     from indoor_explorers.env.maps.base import GeneratedMaps, MapReader
     from indoor_explorers.env.observations.incremental import LivePlanes
+    from indoor_explorers.env.policies.explanation import Candidate, Explanation
     from indoor_explorers.env.policies.policy import Pilot, Policy
     from indoor_explorers.env.policies.registry import make_policy, policy_names
     from indoor_explorers.env.policies.view import Briefing, Mate, Message, View
@@ -33,7 +34,9 @@ __all__ = [
     "UNKNOWN",
     "Action",
     "Briefing",
+    "Candidate",
     "End",
+    "Explanation",
     "Finding",
     "GeneratedMaps",
     "InputError",
@@ -65,6 +68,7 @@ _MODULES = {
     "interfaces.pettingzoo": ("env", "parallel_env"),
     "maps.base": ("GeneratedMaps", "MapReader"),
     "observations.incremental": ("LivePlanes",),
+    "policies.explanation": ("Candidate", "Explanation"),
     "policies.policy": ("Pilot", "Policy"),
     "policies.registry": ("make_policy", "policy_names"),
     "policies.view": ("Briefing", "Mate", "Message", "View"),

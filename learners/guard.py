@@ -19,6 +19,7 @@ import numpy as np
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.grid.cells import FREE, MOVES, UNKNOWN, Action
 from indoor_explorers.env.grid.compiled import kernel, leaf
+from indoor_explorers.env.policies.explanation import Explanation
 from indoor_explorers.env.policies.policy import Pilot
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.search.bfs import distances_from, step_towards
@@ -193,6 +194,12 @@ class WatchedPilot(Pilot):
         self._lidar = lidar_model(briefing.lidar_range)
         self._scan = new_scan(self._lidar)
         self._gained = 0
+        self.kept: Explanation | None = None
+        """Why the latest move was made, where anybody asks."""
+
+    def explain(self) -> Explanation | None:
+        """Return the scores of the latest moves."""
+        return self.kept
 
     def review(self, view: View, proposal: int) -> int:
         """Return the move to make: ``proposal`` or the guard's own; stay when no frontier is reachable."""

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import ClassVar, Literal, get_args
 
 from indoor_explorers.env.grid.cells import UNREACHABLE, Action
+from indoor_explorers.env.policies.explanation import Explanation
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.registry import make_policy
 from indoor_explorers.env.policies.view import Briefing, Mate, View
@@ -71,11 +72,12 @@ class ReturnPilot(Pilot):
         """Sum over the steps since then of the cells that were not reported."""
         self._home = int(UNREACHABLE)
         """Steps home."""
-        self._explored = False
+        self._explored, self._step = False, 0
         self._trips = self._handed_over = 0
 
     def act(self, view: View) -> int:
         """Explore, or fly home."""
+        self._pilot.explaining, self._step = self.explaining, view.step
         if self._briefing.base is None or self._policy.when == "never":
             action = self._explorer.act([self._pilot], [view])[0]
             self.message = self._pilot.message
@@ -154,6 +156,13 @@ class ReturnPilot(Pilot):
         elif navigator.map_grew or navigator.is_off_path(view):
             navigator.find_path(view)
         return navigator.next_action(view)
+
+    def explain(self) -> Explanation | None:
+        """Return the way home, or what the explorer explains."""
+        if not self._returning:
+            return self._pilot.explain()
+        path = tuple(self._navigator.path)
+        return Explanation(step=self._step, goal=self._briefing.base, path=path, note="flies home to report")
 
     def tally(self) -> dict[str, float]:
         """Return the explorer's figures, the number of flights home, and of reports that a teammate carried."""

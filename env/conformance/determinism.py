@@ -5,11 +5,11 @@ from __future__ import annotations
 import pickle
 
 from indoor_explorers.env.conformance.findings import SHOWN, Differs, Violation, global_generators, shared_state, shown
-from indoor_explorers.env.conformance.flying import backwards, one_by_one
-from indoor_explorers.env.conformance.harness import FIRST, OTHER, SOLO, TEAM, Harness
+from indoor_explorers.env.conformance.flying import CheckedFlight, backwards, one_by_one
+from indoor_explorers.env.conformance.harness import FIRST, OTHER, SOLO, STEPS, TEAM, Harness
 from indoor_explorers.env.conformance.traces import Trace, first_difference
 from indoor_explorers.env.errors import described
-from indoor_explorers.env.policies.policy import Policy
+from indoor_explorers.env.policies.policy import Pilot, Policy
 
 
 def check_repeatable(harness: Harness) -> str:
@@ -58,6 +58,18 @@ def check_order(harness: Harness) -> str:
             fix += ", as batch normalisation in training mode makes it do" if harness.batched else ""
             _must_be_same(found, expected, f"UAVs asked {way} chose differently", fix + _perhaps(harness))
     return f"the same {' and '.join(way for way, _ in ways)}"
+
+
+def check_explanations(harness: Harness) -> str:
+    """Ask the pilots of an episode to explain each action."""
+    alone = harness.alone[1]  # which tells the class of the pilots
+    if getattr(harness.pilot, "explain", None) is Pilot.explain:
+        return "none given"
+    flight = CheckedFlight(harness.policy, harness.sized(TEAM), [FIRST], explaining=True)
+    (told,) = flight.fly(STEPS)
+    fix = "let nothing that act computes depend on explaining, and let explain change nothing"
+    _must_be_same(told, alone, "pilots that were asked to explain their actions chose differently", fix)
+    return f"{flight.explained} of {len(told.seconds)} actions, which asking did not change"
 
 
 def _perhaps(harness: Harness) -> str:

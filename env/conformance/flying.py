@@ -21,6 +21,7 @@ from indoor_explorers.env.conformance.traces import (
     Trace,
     action_of,
     check_briefed,
+    check_explained,
     check_tallied,
     checked_message,
     digest_of,
@@ -96,6 +97,7 @@ class CheckedFlight:
         told: MapSource | None = None,
         misled: Misled | None = None,
         unseen: bool = True,
+        explaining: bool = False,
     ) -> None:
         """Start the episodes of ``setups``.
 
@@ -108,11 +110,15 @@ class CheckedFlight:
             told: A false source of maps for the briefings.
             misled: A UAV whose views are replaced.
             unseen: Whether the traces have the cells that no UAV has seen, an array for each step.
+            explaining: Whether each pilot is asked after each action to explain it.
 
         """
         self._policy = policy
         self._ask = ask
         self._changed, self._misled, self._unseen = changed, misled, unseen
+        self._explaining = explaining
+        self.explained = 0
+        """Actions that pilots have explained."""
         self._task = scenario.model_copy(deep=True)  # which the policy may reach through its briefing
         self._told = None if told is None else self._task.model_copy(update={"map": told})
         self._world = World(self._task, len(setups))
@@ -143,6 +149,7 @@ class CheckedFlight:
             pilot = self._policy.pilot(briefing)
         if not isinstance(pilot, Pilot):
             raise CannotFly(f"expected policy.pilot to return a Pilot, got {shown(pilot)}", "subclass Pilot")
+        pilot.explaining = self._explaining
         return pilot
 
     @property
@@ -208,6 +215,8 @@ class CheckedFlight:
         with calling("pilot.message"):
             said = self._pilots[b, n].message
         message = checked_message(said, trace)
+        if self._explaining:
+            self._explain(self._pilots[b, n])
         if self._misled is not None and n == self._misled.agent:
             before = self._misled.before.steps[len(trace.steps) - 1].get(n)
             action, message = before.choice if before is not None else (action, message)
@@ -216,6 +225,13 @@ class CheckedFlight:
         trace.steps[-1][n] = Decision(digest, action, message)
         world.post(b, n, message)
         return action
+
+    def _explain(self, pilot: Pilot) -> None:
+        with calling("pilot.explain"):
+            told = pilot.explain()
+        if told is not None:
+            check_explained(told, self._world.state.truth.shape[1:])
+            self.explained += 1
 
     def _debrief(self) -> None:
         """Check each pilot's tally and that the briefings are unchanged."""

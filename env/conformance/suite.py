@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator
 
 from indoor_explorers.env.conformance.determinism import (
+    check_explanations,
     check_independent,
     check_order,
     check_pickling,
@@ -68,6 +69,7 @@ CHECKS: dict[str, Callable[[Harness], str]] = {
     "tally": check_tally,
     REPEATABLE: check_repeatable,
     "pickling": check_pickling,
+    "explanations": check_explanations,
     "pilots share nothing": check_independent,
     "order of the batch": check_order,
     "no hidden knowledge": check_unseen,

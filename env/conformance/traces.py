@@ -19,6 +19,7 @@ from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Belief, Cell
 from indoor_explorers.env.grid.cells import Action
 from indoor_explorers.env.maps.floorplan import Floorplan
+from indoor_explorers.env.policies.explanation import Explanation
 from indoor_explorers.env.policies.policy import Pilot, checked_action
 from indoor_explorers.env.policies.view import MESSAGE_LIMIT, Briefing, Message, View, arrays_of, values_of
 
@@ -142,6 +143,20 @@ def check_tallied(pilot: Pilot, trace: Trace) -> None:
     if not isinstance(tally, dict) or not all(isinstance(k, str) and _is_number(v) for k, v in tally.items()):
         found = f"expected tally to return a dict of finite numbers by name, got {shown(tally)}"
         trace.violations.setdefault("tally", Violation(found, "return {} to report nothing"))
+
+
+def check_explained(told: object, shape: tuple[int, int]) -> None:
+    """Raise a :class:`Violation` unless ``told`` explains an action on a map of this shape."""
+    fix = "return None, or an Explanation of cells on the map and finite numbers"
+    if not isinstance(told, Explanation):
+        raise Violation(f"expected explain to return an Explanation or None, got {shown(told)}", fix)
+    cells = [told.goal, *(each.cell for each in told.candidates), *told.path, *told.mates.values()]
+    for cell in cells:
+        if cell is not None and not all(0 <= at < side for at, side in zip(cell, shape, strict=True)):
+            raise Violation(f"an explanation names the cell {cell}, which is not on the {shape} map", fix)
+    for each in told.candidates:
+        if not all(_is_number(value) for value in (each.score, *each.parts.values())):
+            raise Violation(f"expected finite numbers in an explanation, got {shown(each)}", fix)
 
 
 def facts_of(briefing: Briefing) -> dict[str, str]:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from indoor_explorers.env.errors import InputError, one_line, shown
+from indoor_explorers.env.policies.explanation import Explanation
 from indoor_explorers.env.policies.view import Briefing, Message, View
 
 
@@ -65,9 +66,19 @@ class Pilot(ABC):
     """Whether this UAV would end its mission now, because its map seems complete enough. It flies on; results report
     the coverage lost and the steps saved by stopping."""
 
+    explaining: bool = False
+    """Whether to keep what :meth:`explain` needs. It is set before the first step, in flights that nobody measures."""
+
     @abstractmethod
     def act(self, view: View) -> int:
         """Choose one of five actions from this UAV's view; one of six if ``view.heading`` is not None."""
+
+    def explain(self) -> Explanation | None:
+        """Return why the UAV flies where it does, as of its latest action; None if the pilot cannot tell.
+
+        It is called only where :attr:`explaining` is set. Actions must depend on neither.
+        """
+        return None
 
     def tally(self) -> dict[str, float]:
         """Return named figures about this episode for the results, such as a share of guarded decisions."""

@@ -60,6 +60,10 @@ class NodePilot(GoalPilot):
         self._to_frontier = True
         return self.nearest_frontier(view)
 
+    def note_on_choice(self) -> str:
+        """Return that the guard chose, or that there was no node to choose."""
+        return "the nearest frontier cell: the guard acts, or there is no node to choose" if self._to_frontier else ""
+
     def tally(self) -> dict[str, float]:
         """Return the tally of every such pilot, and the number of goals chosen by the guard."""
         return super().tally() | {"guarded_choices": float(self._guarded)}

@@ -87,7 +87,9 @@ class AttentionPilot(NodePilot):
 
     def pick(self, view: View, graph: Graph, allowed: Mask) -> int:
         """Return which neighbour of node 0 has the highest score, among those ``allowed`` (K,)."""
-        return int(np.where(allowed, scores(graph, self._loaded), -np.inf).argmax())
+        found = np.where(allowed, scores(graph, self._loaded), -np.inf)
+        self.consider(graph.cells[graph.neighbours[0]], "network's score", found)
+        return int(found.argmax())
 
 
 def probabilities(found: NDArray[np.float32], allowed: Mask) -> NDArray[np.float64]:

@@ -19,6 +19,7 @@ from safetensors import SafetensorError
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.files import expanded
 from indoor_explorers.env.observations import Encoder, make_encoder
+from indoor_explorers.env.policies.explanation import of_moves
 from indoor_explorers.env.policies.policy import TRAINED_GOAL, Policy
 from indoor_explorers.env.policies.registry import missing_module
 from indoor_explorers.env.policies.view import Briefing, View
@@ -127,7 +128,10 @@ class TrainedPilot(WatchedPilot):
         with one_thread():
             scores = self._scores(self.perceive(view)[None])
         legal = view.legal if self._mask else np.ones(5, np.bool_)
-        return self.review(view, int(best_moves(scores, legal[None])[0]))
+        action = self.review(view, int(best_moves(scores, legal[None])[0]))
+        if self.explaining:
+            self.kept = of_moves(view, action, scores.ravel()[:5], "the learner's score of the move", {})
+        return action
 
     def perceive(self, view: View) -> NDArray[np.float32]:
         """Return the observation (D,) float32 of a view, encoded as in training."""

@@ -8,11 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.cells import Action
+from indoor_explorers.env.policies.explanation import Explanation, of_moves
 from indoor_explorers.env.policies.policy import Pilot
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.learners.dddqn.network.inference import q_values
 from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
-from indoor_explorers.learners.dddqn.observation.layout import BLOCKED_AT, observation_layout, stacked
+from indoor_explorers.learners.dddqn.observation.layout import BLOCKED_AT, move_parts, observation_layout, stacked
 from indoor_explorers.learners.dddqn.observation.map_prior import MapPrior, prior_from
 from indoor_explorers.learners.dddqn.observation.memory import new_memory
 from indoor_explorers.learners.dddqn.observation.observe import observation_context, observe
@@ -36,6 +37,8 @@ class ObservingPilot(Pilot):
         self._agent, self._flown = np.array([briefing.agent]), np.zeros(1)
         self._cell = np.zeros((1, 2), np.int64)
         self._guard = Guard(briefing.shape, briefing.rng) if guard else None
+        self._layout = layout
+        self._kept: Explanation | None = None
 
     @abstractmethod
     def _values(self) -> NDArray[np.float32]:
@@ -45,8 +48,15 @@ class ObservingPilot(Pilot):
         """Make the legal move of highest value."""
         self._observe(view)
         action = self._choose(view)
+        if self.explaining:
+            worth = np.where(self.moves[0, :, BLOCKED_AT] == 0.0, self._values(), -np.inf)
+            self._kept = of_moves(view, action, worth, "value of the move", move_parts(self._layout, self.moves[0]))
         self._memory.aim(self._cell, np.array([action]))
         return action
+
+    def explain(self) -> Explanation | None:
+        """Return the values of the latest moves, with the planner's features that they have."""
+        return self._kept
 
     def _choose(self, view: View) -> int:
         legal_A = self.moves[0, :, BLOCKED_AT] == 0.0

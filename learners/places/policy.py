@@ -15,6 +15,7 @@ from indoor_explorers.learners.places.network import Loaded, load_weights, value
 from indoor_explorers.learners.places.scene import OTHERS, Observer, Scene
 from indoor_explorers.learners.sessions.record import digest_of, record_of
 from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
+from indoor_explorers.planners.toolbox.parameters import bounded
 from indoor_explorers.planners.toolbox.pockets.outlook import EstimateUser
 
 #: A goal is kept for this many lidar ranges of flight, unless it has no gain left before.
@@ -27,15 +28,16 @@ class PlacesPilot(GoalPilot):
     Args:
         briefing: Briefing of the UAV.
         loaded: The network.
+        sector: Preference for the own sector while teammates were never heard.
 
     """
 
     straight = True
 
-    def __init__(self, briefing: Briefing, loaded: Loaded) -> None:
+    def __init__(self, briefing: Briefing, loaded: Loaded, sector: float = 0.0) -> None:
         super().__init__(briefing)
         self._loaded = loaded
-        self._observer = Observer(self, guess=loaded.guess)
+        self._observer = Observer(self, guess=loaded.guess, sector=sector)
         self.replan_period = self.steps_in(KEEP)
 
     def choose(self, view: View) -> Cell | None:
@@ -49,7 +51,17 @@ class PlacesPilot(GoalPilot):
 
     def pick(self, view: View, scene: Scene) -> int:
         """Return the number of the chosen place."""
-        return int(values(scene, self._loaded).argmax())
+        worth = values(scene, self._loaded)
+        if self.explaining:
+            self.consider(
+                scene.cells,
+                "network, less the weighted cost to frontier-predictive",
+                worth,
+                network=worth + self._loaded.prior * scene.costs,
+                cost=scene.costs,
+                steps=scene.steps * self.briefing.lidar_range,
+            )
+        return int(worth.argmax())
 
 
 #: The weights that ship.
@@ -78,6 +90,8 @@ class DddqnPlaces(EstimateUser, Policy):
     """Path of a training's folder or weights; None: the shipped ones."""
     network: bool = True
     """Whether the network values places; without it the UAV follows the costs of ``frontier-predictive``."""
+    sector: float = bounded(0.0, least=0)
+    """Preference for the UAV's own sector of the map while teammates were never heard; see :class:`OutOfContact`."""
 
     def __post_init__(self) -> None:
         load_weights(self.path)
@@ -93,7 +107,7 @@ class DddqnPlaces(EstimateUser, Policy):
     def pilot(self, briefing: Briefing) -> PlacesPilot:
         """Make the pilot of one UAV for one episode."""
         loaded = load_weights(self.path)
-        return PlacesPilot(briefing, loaded if self.network else without_network(loaded))
+        return PlacesPilot(briefing, loaded if self.network else without_network(loaded), self.sector)
 
     def provenance(self) -> dict[str, str]:
         """Return the hashes of the network's weights and of those of the estimates."""

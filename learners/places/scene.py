@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import Mask
 from indoor_explorers.env.grid.cells import FREE, UNREACHABLE
 from indoor_explorers.env.policies.view import Mate, View
+from indoor_explorers.planners.toolbox.coordination.out_of_contact import OutOfContact
 from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters
 from indoor_explorers.planners.toolbox.information.cluster_places import (
     LEFT_TO_OTHERS,
@@ -110,15 +111,17 @@ class Observer:
     Args:
         pilot: The pilot that flies to the places.
         guess: Whether to use the estimates of the free space behind the clusters.
+        sector: Preference for the own sector while teammates were never heard; see :class:`OutOfContact`.
 
     """
 
-    def __init__(self, pilot: GoalPilot, *, guess: bool = True) -> None:
+    def __init__(self, pilot: GoalPilot, *, guess: bool = True, sector: float = 0.0) -> None:
         self._pilot, self._briefing = pilot, pilot.briefing
         self._range = float(pilot.briefing.lidar_range)
         self._found = ClusterPlaces(pilot, TRAINED_ON, stride=TRAINED_STRIDE, same=TRAINED_SAME)
         self._estimator = PocketEstimator(self._range) if guess else None
         self._judge = ClusterJudge(pilot.briefing, TRAINED_OUTLOOK)
+        self._out_of_contact = OutOfContact(pilot.briefing, sector=sector) if sector else None
 
     def observe(self, view: View) -> Scene | None:
         """Return the places that a UAV can choose from; None if it can reach none."""
@@ -130,6 +133,8 @@ class Observer:
         fields = [self._pilot.steps_from(view, mate.cell).ravel() for mate in mates]
         others = [each[found.cells] for each in fields]
         factors = halved_by_mates(found.steps, others, [mate.agent < self._briefing.agent for mate in mates])
+        if self._out_of_contact is not None:
+            factors *= self._out_of_contact.left_by_unheard_at_cells(view, found.cells)
         views, kept = self._found.views(view, found.cells), self._found.at_goal(found.cells)
         every = _Candidates(found.cells, found.owner, found.steps / self._range, views, factors, kept)
         return self._scene(view, self._best(every, about.outlook), about, mates, fields)

@@ -59,6 +59,7 @@ class PublishedPilot(NodePilot):
             self._left += 1
             return None
         found = scores(seen, self._weights, self._sizes).reshape(len(legal), -1).max(axis=1)
+        self.consider(flat, "network's score", np.where(legal, found, -np.inf))
         return divmod(int(flat[np.where(legal, found, -np.inf).argmax()]), self.paths.width)
 
     def tally(self) -> dict[str, float]:

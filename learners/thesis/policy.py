@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.files import expanded
+from indoor_explorers.env.policies.explanation import of_moves
 from indoor_explorers.env.policies.policy import TRAINED_GOAL, Policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.learners.guard import WatchedPilot
@@ -84,7 +85,10 @@ class DddqnThesisPilot(WatchedPilot):
         q_A = self._q_BA[0]
         if self._mask and view.legal[:MOVES].any():
             q_A = np.where(view.legal[:MOVES], q_A, -np.inf)
-        return self.review(view, int(q_A.argmax()))
+        action = self.review(view, int(q_A.argmax()))
+        if self.explaining:
+            self.kept = of_moves(view, action, q_A, "value of the move", {})
+        return action
 
     def perceive(self, view: View, out: NDArray[np.uint8]) -> None:
         """Write the latest images into ``out`` (K, H, W), the latest last; at first, the first one K times."""

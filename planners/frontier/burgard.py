@@ -69,6 +69,10 @@ class SequentialPilot(GroupPilot):
             scores[~waiting] = -np.inf
             uav, best = np.unravel_index(scores.argmax(), scores.shape)
             if uav == choices.me or scores[uav, best] == -np.inf:
+                own, steps = scores[choices.me], choices.steps[choices.me]
+                self.consider(
+                    choices.cells[choices.me], "gain and cost", own, gain=gains, cost=costs[choices.me], steps=steps
+                )
                 return int(best)
             waiting[uav] = False
             lost = nearness(view.belief, int(choices.cells[uav, best]), places, self.reach)

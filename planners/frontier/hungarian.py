@@ -45,4 +45,6 @@ class HungarianPilot(GroupPilot):
         """Return the cluster matched to this UAV."""
         reach = self.briefing.lidar_range
         costs = choices.costs(self._policy.switch_cost * reach)
+        own, steps = costs[choices.me], choices.steps[choices.me]
+        self.consider(choices.cells[choices.me], "cost, negative; the group's least sum counts", -own, steps=steps)
         return int(matched(costs, self._policy.extra * reach)[choices.me])

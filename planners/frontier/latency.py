@@ -12,6 +12,7 @@ from indoor_explorers.env.grid.arrays import Cell, Distances
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.planners.toolbox.coordination.out_of_contact import OutOfContact
 from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters
 from indoor_explorers.planners.toolbox.information.cluster_places import (
     LEFT_TO_OTHERS,
@@ -23,6 +24,7 @@ from indoor_explorers.planners.toolbox.information.cluster_places import (
 )
 from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
 from indoor_explorers.planners.toolbox.navigation.teammates import remembered
+from indoor_explorers.planners.toolbox.parameters import bounded
 from indoor_explorers.planners.toolbox.pockets.outlook import Outlook
 from indoor_explorers.planners.toolbox.routing.min_latency import best_orders
 
@@ -44,6 +46,9 @@ class FrontierLatency(PlaceParameters, Policy):
     """
 
     plans_for: ClassVar[str] = ALL_CELLS
+
+    sector: float = bounded(0.0, least=0)
+    """Preference for the UAV's own sector of the map while teammates were never heard; see :class:`OutOfContact`."""
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""
@@ -72,6 +77,7 @@ class LatencyPilot(GoalPilot):
         super().__init__(briefing)
         self._policy = policy
         self._range = briefing.lidar_range
+        self._out_of_contact = OutOfContact(briefing, sector=policy.sector) if policy.sector else None
         self._found = ClusterPlaces(self, policy)
         self.replan_period = self.steps_in(KEEP)
 
@@ -81,6 +87,8 @@ class LatencyPilot(GoalPilot):
         if len(viewpoints.cells) == 0:
             return None
         costs = self._orders(view, viewpoints)[0] - self._policy.switch_cost * viewpoints.kept
+        gains, steps = viewpoints.gains, viewpoints.steps
+        self.consider(viewpoints.cells, "cost of the best order, negative", -costs, cost=costs, gain=gains, steps=steps)
         return divmod(int(viewpoints.cells[np.argmin(costs)]), self.paths.width)
 
     def order(self, view: View) -> list[Cell]:
@@ -96,11 +104,14 @@ class LatencyPilot(GoalPilot):
     def factors(self, view: View, cells: NDArray[np.int32], steps: Distances) -> NDArray[np.float64]:
         """Return the factors on the gains of (K,) flat cells for teammates, (K,) in [0, 1].
 
-        Every teammate that is closer halves a gain.
+        Every teammate that is closer halves a gain; those never heard leave the own sector.
         """
         mates = remembered(view, self.briefing)
         others = [self.steps_from(view, mate.cell).ravel()[cells] for mate in mates]
-        return halved_by_mates(steps, others, [mate.agent < self.briefing.agent for mate in mates])
+        halved = halved_by_mates(steps, others, [mate.agent < self.briefing.agent for mate in mates])
+        if self._out_of_contact is None:
+            return halved
+        return halved * self._out_of_contact.left_by_unheard_at_cells(view, cells)
 
     def _viewpoints(self, view: View) -> ClusterViewpoints:
         """Return the best viewpoints of the best reachable clusters."""

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Belief, Cell, Distances, Mask
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNREACHABLE, Action
+from indoor_explorers.env.policies.explanation import Explanation
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.registry import make_policy
 from indoor_explorers.env.policies.view import Briefing, View
@@ -76,9 +77,11 @@ class LoopPilot(Pilot):
         self._was_off = False
         self._flies_on_until = self._looks = self._blocked = self._closing = self._mending = 0
         self._last: tuple[Cell, int] | None = None
+        self._interrupted, self._step = "", 0
 
     def act(self, view: View) -> int:
         """Explore, close a loop, or look again at what is wrong."""
+        self._pilot.explaining, self._interrupted, self._step = self.explaining, "", view.step
         if view.log_odds is None or self._briefing.scenario.drift.rate == 0.0:
             return self._explore(view)
         path = self.trajectory
@@ -97,6 +100,7 @@ class LoopPilot(Pilot):
             action = self._close_loop(view)
             if action is not None:
                 self._closing += 1
+                self._interrupted = "flies to where closing a loop costs least"
                 return action
         shown = self._estimated(view) if off else self._warned(view)
         if self._is_explored(shown):
@@ -105,8 +109,15 @@ class LoopPilot(Pilot):
             action, shown = self._mend(view), view
             if action is not None:
                 self._mending += 1
+                self._interrupted = "looks again at what its map has wrong"
                 return action
         return self._explore(shown)
+
+    def explain(self) -> Explanation | None:
+        """Return why the explorer was interrupted, or what it explains."""
+        if not self._interrupted:
+            return self._pilot.explain()
+        return Explanation(step=self._step, goal=None, note=self._interrupted)
 
     def _explore(self, view: View) -> int:
         action = self._explorer.act([self._pilot], [view])[0]

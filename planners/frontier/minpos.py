@@ -46,6 +46,14 @@ class MinPosPilot(GoalPilot):
             return None
         mates = remembered(view, self.briefing)
         others = [nearest_cells(self.steps_from(view, mate.cell), clusters)[1] for mate in mates]
-        order = np.lexsort((own, ranks(own, others, [mate.agent < self.briefing.agent for mate in mates])))
+        rank = ranks(own, others, [mate.agent < self.briefing.agent for mate in mates])
+        order = np.lexsort((own, rank))
+        self.consider(
+            cells[order],
+            "rank by distance, negative; then the steps",
+            -rank[order],
+            rank=rank[order],
+            steps=own[order],
+        )
         best = next(k for k in order.tolist() if own[k] < UNREACHABLE)
         return divmod(int(cells[best]), self.paths.width)

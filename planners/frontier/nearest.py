@@ -8,6 +8,7 @@ from typing import ClassVar
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters, nearest_cells
 from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
 
 
@@ -31,4 +32,8 @@ class NearestPilot(GoalPilot):
 
     def choose(self, view: View) -> Cell | None:
         """Return the nearest frontier cell."""
+        if self.explaining:
+            clusters = frontier_clusters(view.belief, self.briefing.lidar_range)
+            cells, steps = nearest_cells(self.steps_from(view, view.cell), clusters)
+            self.consider(cells, "steps, negative", -steps, steps=steps)
         return self.nearest_frontier(view)

@@ -64,7 +64,12 @@ class TourPilot(GroupPilot):
         if not len(own):
             return int(choices.steps[choices.me].argmin())
         nodes = np.concatenate([[choices.me], uavs + own])
-        return int(own[self.first_of_tour(costs[np.ix_(nodes, nodes)])])
+        among = costs[np.ix_(nodes, nodes)]
+        if self.explaining:
+            stops = own[open_tour(among)[1:] - 1]
+            cells, steps = choices.cells[choices.me, stops], choices.steps[choices.me, stops]
+            self.consider(cells, "place in the tour, negative", -1.0 - np.arange(len(stops)), steps=steps)
+        return int(own[self.first_of_tour(among)])
 
     def first_of_tour(self, costs: NDArray[np.float64]) -> int:
         """Return the place, of K, that a short open tour visits first; ``costs`` (K + 1, K + 1) has the start first."""

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.cells import Action
 from indoor_explorers.env.maps.generators.thesis import ThesisMaps
+from indoor_explorers.env.policies.explanation import Explanation
 from indoor_explorers.env.policies.policy import Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.frontier.joint import FrontierJoint
@@ -121,18 +122,21 @@ class HorizonPilot(Pilot):
         self._paths = Paths(briefing.shape)
         self._deadlock = DeadlockResolver(self._paths, briefing.rng)
         self._known, self._deadline = -1, 0
-        self._handed_over = 0
+        self._handed_over = self._step = 0
+        self._flies_tour = False
 
     def act(self, view: View) -> int:
         """Follow the tour, and plan again whenever the map has grown or the tour has ended.
 
         If a teammate stays in the way, the other pilot, which can make way, takes over until the map grows.
         """
+        self._beyond.explaining = self.explaining
         cell = view.cell[0] * self._paths.width + view.cell[1]
         following = self._next(view, cell)
         if self._deadlock.should_make_way(view):
             self._deadline = view.step - 1
             following = None
+        self._flies_tour, self._step = following is not None, view.step
         if following is None:
             self._handed_over += 1
             self._deadlock.expect(view.cell, Action.STAY)
@@ -140,6 +144,13 @@ class HorizonPilot(Pilot):
         action = action_between(view.cell, divmod(following, self._paths.width))
         self._deadlock.expect(view.cell, action)
         return action
+
+    def explain(self) -> Explanation | None:
+        """Return the tour, or what the other pilot explains."""
+        if not self._flies_tour:
+            return self._beyond.explain()
+        tour = tuple(divmod(cell, self._paths.width) for cell in self._tours.tour)
+        return Explanation(step=self._step, goal=tour[-1], path=tour, note="the best tour of the beam search")
 
     def tally(self) -> dict[str, float]:
         """Return the number of decisions that were handed over."""

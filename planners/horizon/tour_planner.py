@@ -57,6 +57,11 @@ class TourPlanner:
         self._finishes = False
 
     @property
+    def tour(self) -> tuple[int, ...]:
+        """The flat cells that are left of the tour."""
+        return tuple(self._tour)
+
+    @property
     def length(self) -> int:
         """Remaining steps of the tour."""
         return len(self._tour)

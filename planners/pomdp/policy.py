@@ -126,7 +126,9 @@ class PomdpPilot(IndependentPilot):
         values, _ = search(
             problem, lidar_model(self._lidar), policy.simulations, policy.tree, float(policy.exploration)
         )
-        best = chosen[np.argmax(values * self._bonus(cells[chosen]))]
+        returns = values * self._bonus(cells[chosen])
+        self.consider(cells[chosen], "simulated return", returns, worth=worth[chosen], steps=steps[chosen])
+        best = chosen[np.argmax(returns)]
         return divmod(int(cells[best]), self.paths.width)
 
     def _problem(self, view: View, clusters: Clusters, goals: NDArray[np.int32], factors: Numbers) -> Problem:

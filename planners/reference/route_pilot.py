@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from indoor_explorers.env.grid.arrays import Belief, Cell
 from indoor_explorers.env.grid.cells import Action
+from indoor_explorers.env.policies.explanation import Explanation
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.frontier.nearest import NearestPilot
 from indoor_explorers.planners.reference.plan import Track
@@ -27,11 +28,11 @@ class RoutePilot(NearestPilot):
         """The cells of the route; empty when it is complete or given up."""
         self.place = 0
         """Where on it the UAV is, or was last."""
-        self._moved_on = 0
+        self._moved_on = self._begun = 0
 
     def begin_route(self, route: Track, step: int) -> None:
         """Follow a route from its first cell, in which the UAV is."""
-        self.route, self.place, self._moved_on = route, 0, step
+        self.route, self.place, self._moved_on, self._begun = route, 0, step, step
         if route:
             self.navigator.deadlock.expect(route[0], Action.STAY)  # the last move, perhaps another pilot's, is over
 
@@ -44,6 +45,13 @@ class RoutePilot(NearestPilot):
         if self.navigator.deadlock.should_make_way(view) and not self.navigator.deadlock.retreating:
             self._sidestep(view)
         return self.navigator.command(view, self._following(view))
+
+    def explain(self) -> Explanation:
+        """Return what is left of the route, or the nearest frontier without one."""
+        if not self.route:
+            return super().explain()
+        left = tuple(self.route[self.place :])
+        return Explanation(step=self._begun, goal=left[-1], path=left, note="a route through the map that it was shown")
 
     def _advance(self, view: View) -> None:
         if self.place + 1 < len(self.route) and view.cell == self.route[self.place + 1]:

@@ -74,6 +74,8 @@ class CoverTourPilot(ViewpointPilot):
         if not len(useful):
             return None
         self._stops = self._tour(view, viewpoints.selected(useful), bits[useful])
+        steps = self.steps_from(view, view.cell).ravel()[self._stops]
+        self.consider(self._stops, "place in the tour, negative", -1.0 - np.arange(len(self._stops)), steps=steps)
         return divmod(int(self._stops[0]), self.paths.width)
 
     def _candidates(self, view: View) -> NDArray[np.int32]:

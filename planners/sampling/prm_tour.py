@@ -75,6 +75,8 @@ class PrmTourPilot(ViewpointPilot):
         if not len(viewpoints.cells):
             return None
         self._stops = self._tour(view, roadmap, np.where(joined, cells, -1), viewpoints)
+        steps = self.steps_from(view, view.cell).ravel()[self._stops]
+        self.consider(self._stops, "place in the tour, negative", -1.0 - np.arange(len(self._stops)), steps=steps)
         return divmod(int(self._stops[0]), self.paths.width)
 
     def _sampled(self, view: View) -> Points:

@@ -113,7 +113,9 @@ class RrtFrontierPilot(ViewpointPilot):
         cells = cells[merged(cells, self._policy.merge_distance, self.paths.width, len(cells))]
         if not len(cells):
             return None
-        return divmod(int(cells[np.argmax(self._revenue(view, cells, field))]), self.paths.width)
+        revenue = self._revenue(view, cells, field)
+        self.consider(cells, "revenue", revenue, steps=field.ravel()[cells])
+        return divmod(int(cells[np.argmax(revenue)]), self.paths.width)
 
     def _detected(self, view: View, field: NDArray[np.int32]) -> NDArray[np.int32]:
         """Return the candidates, (K,) flat cells, the nearest first.

@@ -68,7 +68,15 @@ class RrtNbvPilot(ViewpointPilot):
         tree = self.grow(view)
         cells = known_cells(view.belief, tree.vertices)
         viewpoints = self.judged(view, np.unique(cells[cells >= 0]))
-        self.tree, self.branch = tree, best_branch(tree, self._values(tree, cells, viewpoints))
+        worth = self._values(tree, cells, viewpoints)
+        self.tree, self.branch = tree, best_branch(tree, worth)
+        self.consider(
+            viewpoints.cells,
+            "gain; the best branch counts",
+            viewpoints.gains,
+            gain=viewpoints.gains,
+            steps=viewpoints.steps,
+        )
         self._remainder = tree.vertices[self.branch[1:]]
         new = [cell for cell in cells[self.branch].tolist() if cell in viewpoints.cells]
         return divmod(new[0], self.paths.width) if new else None

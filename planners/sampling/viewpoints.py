@@ -148,6 +148,9 @@ class ViewpointPilot(GoalPilot):
             return None
         some = viewpoints.selected(self._diverse(view, viewpoints))
         costs = self._costs(view, some, latency) - self.weights.switch_cost * self._kept(some.cells)
+        self.consider(
+            some.cells, "cost of the best order, negative", -costs, cost=costs, gain=some.gains, steps=some.steps
+        )
         return divmod(int(some.cells[np.argmin(costs)]), self.paths.width)
 
     def _diverse(self, view: View, viewpoints: Viewpoints) -> NDArray[np.int64]:

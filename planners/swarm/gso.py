@@ -135,6 +135,9 @@ class GlowwormPilot(IndependentPilot):
         if len(near) == 0:
             return None
         difference = light[near] - own
+        self.consider(
+            self._cells[near], "luciferin; brighter ones are drawn more often", light[near], steps=steps[near]
+        )
         chosen = near[drawn((difference / difference.max()) ** policy.sharpness, self.rng)]
         return divmod(int(self._cells[chosen]), self.paths.width)
 

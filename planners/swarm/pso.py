@@ -174,9 +174,25 @@ class PsoPilot(CandidatePilot):
         if joint is None:
             return {}
         first: Assignment = joint.cells[joint.best[:, 0]]
+        self._consider(joint)
         return {
             member.agent: divmod(int(cell), self.paths.width) for member, cell in zip(joint.members, first, strict=True)
         }
+
+    def _consider(self, joint: JointPlan) -> None:
+        """Keep the candidates with their values to this UAV alone; the joint plan has the largest sum."""
+        me = next((k for k, member in enumerate(joint.members) if member.agent == self.briefing.agent), None)
+        if self.explaining and me is not None:
+            problem = joint.problem
+            steps = problem.steps[me]
+            alone = problem.hysteresis[me] * problem.gains**problem.power * np.exp(-problem.rate * steps)
+            self.consider(
+                joint.cells,
+                "value to this UAV alone; the group's best sum counts",
+                alone,
+                gain=problem.gains,
+                steps=steps,
+            )
 
     def joint_plan(self, view: View, members: list[LinkedMember]) -> JointPlan | None:
         """Return the joint plan of the members that can reach a candidate; None if no member can."""

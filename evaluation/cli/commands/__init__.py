@@ -11,6 +11,7 @@ from indoor_explorers.evaluation.cli.commands.bench import BENCH
 from indoor_explorers.evaluation.cli.commands.check import CHECK
 from indoor_explorers.evaluation.cli.commands.compare import COMPARE
 from indoor_explorers.evaluation.cli.commands.demo import DEMO
+from indoor_explorers.evaluation.cli.commands.explain import EXPLAIN
 from indoor_explorers.evaluation.cli.commands.export import EXPORT
 from indoor_explorers.evaluation.cli.commands.importing import IMPORT
 from indoor_explorers.evaluation.cli.commands.leaderboard import LEADERBOARD
@@ -27,6 +28,7 @@ from indoor_explorers.evaluation.cli.commands.watch import WATCH
 
 #: All commands, in the order of the help.
 COMMANDS: tuple[Command[Any], ...] = (
-    *(DEMO, PLAYGROUND, COMPARE, WATCH, REPORT, IMPORT, EXPORT, LEADERBOARD, DARE, IR2, TRAIN, ABLATE, SCALE, THESIS),
+    *(DEMO, PLAYGROUND, COMPARE, WATCH, EXPLAIN, REPORT, IMPORT, EXPORT, LEADERBOARD, DARE, IR2),
+    *(TRAIN, ABLATE, SCALE, THESIS),
     *(POLICIES, SCENARIOS, LEARNERS, SUITES, MAPS, AUDIT, BENCH, NEW, CHECK),
 )

@@ -160,6 +160,20 @@ def search_costs(layout: ObservationLayout, delay: float = 0.0) -> NDArray[np.fl
     return weights
 
 
+def move_parts(layout: ObservationLayout, moves: NDArray[np.float32]) -> dict[str, NDArray[np.float32]]:
+    """Return the planner features of the moves (4, F) that say most, (4,) each, by name; none for the map alone."""
+    parts = {}
+    if layout.tours_at >= 0:
+        for name in ("its steps beyond the shortest", "its steps beyond the shortest to 90 %"):
+            parts[name.replace("its", "tour's")] = BEYOND * moves[:, layout.tours_at + TOURS.index(name)]
+    if layout.prospects_at >= 0:
+        behind = "steps behind the best"
+        parts[behind + " candidate"] = BEYOND * moves[:, layout.prospects_at + PROSPECT.index(behind)]
+    if layout.gains_at >= 0:
+        parts["gain there"] = moves[:, layout.gains_at + GAINS.index("gain there")]
+    return parts
+
+
 class Symmetries(NamedTuple):
     """Index tables: under symmetry g an array ``x`` becomes ``x[table[g]]``."""
 

@@ -102,8 +102,7 @@ class OutOfContact:
         self, view: View, cells: NDArray[np.int32], own_steps: Distances, field_from: FieldFrom
     ) -> NDArray[np.float64]:
         """Return the factors of (K,) flat cells, (K,) in (0, 1], as :meth:`factors` does."""
-        points = np.stack(np.divmod(cells, view.belief.shape[1]), axis=1).astype(np.float64)
-        return self.factors(view, points, own_steps, lambda cell: field_from(view, cell).ravel()[cells])
+        return self.factors(view, _points(view, cells), own_steps, lambda cell: field_from(view, cell).ravel()[cells])
 
     def left_by_unheard(self, view: View, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the factors of K candidates, (K,) in (0, 1], for teammates never heard, from the sectors alone."""
@@ -114,6 +113,15 @@ class OutOfContact:
             return np.ones(len(points))
         return self._sectors.shares(points, self._briefing.agent, self._sector * unheard / (self._briefing.team - 1))
 
+    def left_by_unheard_at_cells(self, view: View, cells: NDArray[np.int32]) -> NDArray[np.float64]:
+        """Return the factors of (K,) flat cells, (K,) in (0, 1], as :meth:`left_by_unheard` does."""
+        return self.left_by_unheard(view, _points(view, cells))
+
     def _left_by_silent(self, mate: Mate, own_steps: Distances, steps_from: StepsFrom) -> NDArray[np.float64]:
         ahead = np.maximum(0, own_steps - steps_from(whereabouts(mate)))
         return np.asarray(np.maximum(LEAST, np.exp(-ahead / self._silence)))
+
+
+def _points(view: View, cells: NDArray[np.int32]) -> NDArray[np.float64]:
+    """Return the rows and columns (K, 2) of (K,) flat cells."""
+    return np.stack(np.divmod(cells, view.belief.shape[1]), axis=1).astype(np.float64)

@@ -39,6 +39,9 @@ THEIRS = 0.5
 #: Share of a candidate's gain below which the candidate has less value, after the choices of other UAVs.
 TAKEN = 0.25
 
+#: What the scores are.
+SCORE = "log of the value of the best sequence, less the cost of the order of the rest"
+
 #: Returns flat candidate cells, (K,), and which of them are frontier clusters, (K,) bool, from a view and the steps
 #: from the UAVs of the group, (N, H, W).
 Candidates = Callable[[View, Distances], tuple[NDArray[np.int32], Mask]]
@@ -124,12 +127,18 @@ class SequenceChooser:
         values, sequences = best_sequences(problem, uav, gains, self._utility)
         values = not_taken(values, gains, factors * problem.gains)
         if not values.any():
+            self._pilot.consider(problem.cells[:0], SCORE, np.empty(0))
             return np.array([int(problem.away[uav].argmin()), -1, -1])
         best = np.argsort(-values, kind="stable")[: parameters.firsts]
         best = best[values[best] > 0.0]
         rest = self._own(problem, uav, gains, factors)
-        costs = [self._cost(problem, uav, first, rest, gains) for first in best.tolist()]
-        return np.asarray(sequences[best[np.argmax(np.log(values[best]) - parameters.order * np.array(costs))]])
+        costs = np.array([self._cost(problem, uav, first, rest, gains) for first in best.tolist()])
+        scores = np.log(values[best]) - parameters.order * costs
+        steps = problem.away[uav, best] * self._range
+        self._pilot.consider(
+            problem.cells[best], SCORE, scores, value=values[best], order=costs, gain=gains[best], steps=steps
+        )
+        return np.asarray(sequences[best[np.argmax(scores)]])
 
     def decision_problem(self, view: View, members: list[GroupMember]) -> DecisionProblem:
         """Return the decision problem of a group."""

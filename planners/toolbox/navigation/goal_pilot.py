@@ -24,19 +24,21 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from math import inf
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from indoor_explorers.env.grid.arrays import Cell, Distances, Mask
-from indoor_explorers.env.grid.cells import OCCUPIED, UNKNOWN
+from indoor_explorers.env.grid.cells import OCCUPIED, UNKNOWN, UNREACHABLE
+from indoor_explorers.env.policies.explanation import Candidate, Explanation, ranked
 from indoor_explorers.env.policies.policy import Pilot
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.search.frontiers import on_frontier
 from indoor_explorers.env.sensing.inverse_model import HIT
 from indoor_explorers.planners.toolbox.navigation.map_sharing import MapSharing
 from indoor_explorers.planners.toolbox.navigation.navigator import Navigator
+from indoor_explorers.planners.toolbox.navigation.teammates import remembered, whereabouts
 
 #: Log-odds up to which obstacles are doubted when no other goal is left, in turn.
 DOUBTED = (4 * HIT, 16 * HIT, 64 * HIT)
@@ -68,6 +70,9 @@ class GoalPilot(Pilot):
         self._grew_since_choice = False
         self._next_choice = inf
         self._sharing = MapSharing(briefing, self.paths) if MapSharing.is_needed(briefing) else None
+        self._chosen_at, self._supposed = 0, dict[int, Cell]()
+        self._candidates_kept: tuple[Candidate, ...] = ()
+        self._score_kept = ""
 
     @abstractmethod
     def choose(self, view: View) -> Cell | None:
@@ -125,6 +130,9 @@ class GoalPilot(Pilot):
     def choose_goal(self, view: View) -> None:
         """Choose a goal and a path to it; a banned goal if there is no other."""
         self.plans += 1
+        if self.explaining:
+            self._chosen_at, self._candidates_kept, self._score_kept = view.step, (), ""
+            self._supposed = {mate.agent: whereabouts(mate) for mate in remembered(view, self.briefing)}
         self._grew_since_choice, self._next_choice = False, view.step + self.replan_period
         goal = self.choose(view)
         if goal is None and self.navigator.lift_bans():
@@ -142,6 +150,33 @@ class GoalPilot(Pilot):
             if goal is not None:
                 return goal
         return None
+
+    def consider(self, cells: NDArray[np.integer[Any]], score: str, scores: ArrayLike, **parts: ArrayLike) -> None:
+        """Keep what the present choice is made among, if anybody asks (:attr:`explaining`).
+
+        ``cells`` (K,) are flat; ``score`` says in a few words what the ``scores`` (K,) are, the larger the better;
+        ``parts`` (K,) are what they are made of. Candidates to which there are no known ``steps`` are left out.
+        """
+        if self.explaining:
+            reached = np.less(parts.get("steps", 0), UNREACHABLE)
+            scores = np.where(reached, scores, -np.inf)
+            self._candidates_kept, self._score_kept = ranked(cells, self.paths.width, scores, parts), score
+
+    def explain(self) -> Explanation:
+        """Return the goal, the path to it, and what was considered in the latest choice."""
+        return Explanation(
+            step=self._chosen_at,
+            goal=self.goal,
+            candidates=self._candidates_kept,
+            score=self._score_kept,
+            path=tuple(self.navigator.path),
+            mates=self._supposed,
+            note=self.note_on_choice(),
+        )
+
+    def note_on_choice(self) -> str:  # a hook that most planners leave empty
+        """Return what else there is to say about the latest choice."""
+        return ""
 
     def tally(self) -> dict[str, float]:
         """Return the number of goals given up because teammates were in the way, and of goals chosen."""
