@@ -149,7 +149,8 @@ class CheckedFlight:
             pilot = self._policy.pilot(briefing)
         if not isinstance(pilot, Pilot):
             raise CannotFly(f"expected policy.pilot to return a Pilot, got {shown(pilot)}", "subclass Pilot")
-        pilot.explaining = self._explaining
+        if self._explaining:
+            pilot.explaining = True
         return pilot
 
     @property

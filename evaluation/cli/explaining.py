@@ -21,7 +21,7 @@ def explained(experiment: Experiment, step: int) -> tuple[World, list[Pilot]]:
     The pilots have decided on the action that leads to the world's present step.
 
     Raises:
-        InputError: ``step`` is 0, or the experiment has several scenarios or policies.
+        InputError: the experiment has several scenarios or policies.
         RunError: the policy failed.
 
     """

@@ -149,19 +149,19 @@ def _budget(moves: int) -> dict[str, Any]:
     }
 
 
-#: Moves of the trainings of other widths and numbers of maps.
-_MEDIUM = 750_000
+#: Moves of the trainings, and of those of other widths and numbers of maps.
+_MOVES, _MEDIUM = (46_875, 187_500, 750_000, 3_000_000), 750_000
 
 #: Settings of the trainings of the scaling study, by name.
 SCALING: Mapping[str, Mapping[str, Any]] = {
-    **{f"steps-{moves}": _budget(moves) for moves in (46_875, 187_500, _MEDIUM, 3_000_000)},
+    **{f"steps-{moves}": _budget(moves) for moves in _MOVES},
     **{f"width-{width}": _budget(_MEDIUM) | {"network.width": width} for width in (64, 1024)},
     **{f"maps-{maps}": _budget(_MEDIUM) | {"map_count": maps} for maps in (16, 256, 4096)},
 }
 
 #: Its axes: names of trainings by level.
 SCALING_AXES: Mapping[str, Mapping[float, str]] = {
-    "moves in training": {moves: f"steps-{moves}" for moves in (46_875, 187_500, _MEDIUM, 3_000_000)},
+    "moves in training": {moves: f"steps-{moves}" for moves in _MOVES},
     "units of a hidden layer": {64: "width-64", 256: f"steps-{_MEDIUM}", 1024: "width-1024"},
     "maps in training": {16: "maps-16", 256: "maps-256", 4096: "maps-4096", math.inf: f"steps-{_MEDIUM}"},
 }

@@ -59,8 +59,9 @@ class PublishedPilot(NodePilot):
             self._left += 1
             return None
         found = scores(seen, self._weights, self._sizes).reshape(len(legal), -1).max(axis=1)
-        self.consider(flat, "network's score", np.where(legal, found, -np.inf))
-        return divmod(int(flat[np.where(legal, found, -np.inf).argmax()]), self.paths.width)
+        among = np.where(legal, found, -np.inf)
+        self.consider(flat, "network's score", among)
+        return divmod(int(flat[among.argmax()]), self.paths.width)
 
     def tally(self) -> dict[str, float]:
         """Return the tally of every such pilot, and how often the network had nothing to choose."""

@@ -5,36 +5,13 @@ from __future__ import annotations
 from typing import Annotated
 
 from indoor_explorers.evaluation.cli.command import Command, make_console
-from indoor_explorers.evaluation.harness.experiment.request import (
-    NO_SETTINGS,
-    RESOLUTION,
-    SEED,
-    TEAM,
-    ComparisonRequest,
-    Option,
-    Request,
-    Settings,
-    read_count,
-)
+from indoor_explorers.evaluation.cli.commands.one_episode import EpisodeOptions
+from indoor_explorers.evaluation.harness.experiment.request import Option, read_count
 
 
-class ExplainOptions(Request):
+class ExplainOptions(EpisodeOptions):
     """The options of ``explain``."""
 
-    policy: Annotated[str, Option(metavar="NAME")]
-    """The policy: a name, NAME:PATH such as sb3:DIR, or module:Class, with parameters as in 'pso(length=1)'."""
-    scenario: Annotated[str | None, Option(metavar="PRESET|FILE.toml")] = None
-    """The scenario (default thesis-obstacles)."""
-    maps: Annotated[str | None, Option(metavar="PATH")] = None
-    """A map file to explore instead."""
-    resolution: Annotated[float | None, RESOLUTION] = None
-    """Metres per cell to resample the map file to. Pictures have no scale: a pixel of theirs counts as 1 m."""
-    team: Annotated[int | None, TEAM] = None
-    """Number of UAVs."""
-    seed: Annotated[int, SEED] = 0
-    """Seed of the episode; compare and watch fly the same episode for the same seed."""
-    settings: Settings = NO_SETTINGS
-    """Scenario settings such as goal=0.9 or radio.range=3."""
     step: Annotated[int, Option(metavar="N", read=read_count)] = 1
     """The step to explain; the last one of a shorter episode."""
     agent: Annotated[int | None, Option(metavar="N", read=int)] = None
@@ -47,17 +24,7 @@ def run_explain(options: ExplainOptions, typed: str) -> int:
     from indoor_explorers.evaluation.cli.explaining import explained, print_explanations
     from indoor_explorers.evaluation.harness.experiment.planning import plan
 
-    request = ComparisonRequest(
-        policies=(options.policy,),
-        scenario=options.scenario,
-        maps=options.maps,
-        resolution=options.resolution,
-        team=options.team,
-        episodes=1,
-        seed=options.seed,
-        settings=options.settings,
-    )
-    experiment = plan(request)
+    experiment = plan(options.comparison((options.policy,)))
     team = experiment.scenarios[0].team
     if options.agent is not None and not 0 <= options.agent < team:
         raise InputError(f"expected --agent from 0 to {team - 1}, got {options.agent}")

@@ -6,39 +6,16 @@ from pathlib import Path
 from typing import Annotated
 
 from indoor_explorers.evaluation.cli.command import Command, make_console
-from indoor_explorers.evaluation.harness.experiment.request import (
-    NO_SETTINGS,
-    RESOLUTION,
-    SEED,
-    TEAM,
-    ComparisonRequest,
-    Option,
-    Request,
-    Settings,
-    read_count,
-    read_names,
-    read_rate,
-)
+from indoor_explorers.evaluation.cli.commands.one_episode import EpisodeOptions
+from indoor_explorers.evaluation.harness.experiment.request import Option, read_count, read_names, read_rate
 
 
-class WatchOptions(Request):
+class WatchOptions(EpisodeOptions):
     """The options of ``watch``."""
 
     policy: Annotated[tuple[str, ...], Option(metavar="NAME,...", read=read_names)]
     """The policy: a name, NAME:PATH such as sb3:DIR, or module:Class, with parameters as in
     'dddqn(map_alone=true)'; several, with commas, fly side by side."""
-    scenario: Annotated[str | None, Option(metavar="PRESET|FILE.toml")] = None
-    """The scenario (default thesis-obstacles)."""
-    maps: Annotated[str | None, Option(metavar="PATH")] = None
-    """A map file to explore instead."""
-    resolution: Annotated[float | None, RESOLUTION] = None
-    """Metres per cell to resample the map file to. Pictures have no scale: a pixel of theirs counts as 1 m."""
-    team: Annotated[int | None, TEAM] = None
-    """Number of UAVs."""
-    seed: Annotated[int, SEED] = 0
-    """Seed of the episode; compare flies the same episode for the same seed."""
-    settings: Settings = NO_SETTINGS
-    """Scenario settings such as goal=0.9 or radio.range=3."""
     save: Annotated[Path | None, Option(metavar="FILE")] = None
     """Write a .gif, an .mp4, or the last step as a .png."""
     steps: Annotated[int | None, Option(metavar="N", read=read_count)] = None
@@ -55,18 +32,8 @@ def run_watch(options: WatchOptions, typed: str) -> int:
     from indoor_explorers.evaluation.cli.watch import watch
     from indoor_explorers.evaluation.harness.experiment.planning import plan
 
-    request = ComparisonRequest(
-        policies=options.policy,
-        scenario=options.scenario,
-        maps=options.maps,
-        resolution=options.resolution,
-        team=options.team,
-        episodes=1,
-        seed=options.seed,
-        settings=options.settings,
-    )
     film = None if options.save is None else VideoWriter(options.save, options.fps, options.frames)
-    watch(plan(request), make_console(), film=film, steps=options.steps, fps=options.fps)
+    watch(plan(options.comparison(options.policy)), make_console(), film=film, steps=options.steps, fps=options.fps)
     return 0
 
 
