@@ -22,11 +22,8 @@ Options = TypeVar("Options", bound=Request)
 
 @dataclass(frozen=True)
 class Command(Generic[Options]):
-    """A subcommand of ``indoor-explorers``."""
+    """What a subcommand of ``indoor-explorers`` takes and does; its name is in the list of commands."""
 
-    name: str
-    about: str
-    """Its line in the help text."""
     options: type[Options]
     """A request; its fields are the options."""
     run: Callable[[Options, str], int]

@@ -8,28 +8,23 @@ import errno
 import shlex
 import sys
 import warnings
-from collections.abc import Iterable, Sequence
+from collections.abc import Container, Iterable, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, NoReturn, TextIO
+from typing import TYPE_CHECKING, Any, NoReturn, TextIO
 
-from pydantic.fields import FieldInfo
-
-from indoor_explorers.env.errors import (
-    LONGEST_LINE,
-    InputError,
-    PolicyError,
-    RunError,
-    described,
-    did_you_mean,
-    one_line,
-)
-from indoor_explorers.evaluation.cli.command import KEPT, Command, debugging
 from indoor_explorers.evaluation.cli.commands import COMMANDS
-from indoor_explorers.evaluation.harness.experiment.request import Option, Request
+
+if TYPE_CHECKING:
+    from pydantic.fields import FieldInfo
+
+    from indoor_explorers.evaluation.cli.command import Command
+    from indoor_explorers.evaluation.harness.experiment.request import Option, Request
 
 #: Exit statuses.
 OK, FAILED, USAGE, INTERRUPTED = 0, 1, 2, 130
+#: Words that ask for help.
+HELP = ("-h", "--help")
 #: Shells that scripts for completion are written for.
 SHELLS = ("bash", "zsh", "tcsh")
 #: What the system says when a file finds no room: full disk, full quota, file too large.
@@ -40,6 +35,8 @@ class _Parser(argparse.ArgumentParser):
     """An argument parser whose errors are one line, with the likely word where one is unknown."""
 
     def error(self, message: str) -> NoReturn:
+        from indoor_explorers.env.errors import InputError
+
         raise InputError(f"{message}; see {self.prog} --help")
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
@@ -55,6 +52,8 @@ class _Parser(argparse.ArgumentParser):
         return f"; did you mean {close[0]}?" if close else ""
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
+        from indoor_explorers.env.errors import did_you_mean
+
         if action.choices is not None and value not in action.choices:
             raise argparse.ArgumentError(action, f"invalid choice: {value!r}{did_you_mean(value, action.choices)}")
 
@@ -79,8 +78,8 @@ class _Completion(argparse.Action):
         parser.exit()
 
 
-def build_parser() -> argparse.ArgumentParser:
-    """Return the parser of the whole command."""
+def build_parser(of: Container[str] | None = None) -> argparse.ArgumentParser:
+    """Return the parser of the whole command, with the options of the commands ``of`` these names; None for all."""
     parser = _Parser(prog="indoor-explorers", description="Compare exploration policies for teams of UAVs.")
     parser.add_argument(
         "--version", action=_Version, nargs=0, default=argparse.SUPPRESS, help="show the version and exit"
@@ -94,7 +93,9 @@ def build_parser() -> argparse.ArgumentParser:
     )
     parsers = parser.add_subparsers(dest="command", required=True, metavar="COMMAND", parser_class=_Parser)
     for command in COMMANDS:
-        add_options(parsers.add_parser(command.name, help=command.about), command.options)
+        words = parsers.add_parser(command.name, help=command.about)
+        if of is None or command.name in of:
+            add_options(words, command.load().options)
     return parser
 
 
@@ -103,11 +104,21 @@ def main(argv: Sequence[str] | None = None) -> int:
     words = list(sys.argv[1:] if argv is None else argv)
     with suppress(FileNotFoundError):  # the current folder was removed
         sys.path.append(str(Path.cwd()))  # so that module:Class finds a file of the current folder, as python -m would
+    if not words or words[0] in HELP:
+        build_parser(of=()).parse_args(["--help"])  # ends here, before anything slow is imported
+    return _run(words)
+
+
+def _run(words: list[str]) -> int:
+    from indoor_explorers.env.errors import LONGEST_LINE, InputError, PolicyError, RunError, one_line
+    from indoor_explorers.evaluation.cli.command import KEPT, debugging
+
     kept = KEPT
     try:
-        given = vars(build_parser().parse_args(joined_words(words) or ["--help"]))
+        joined = joined_words(words)
+        given = vars(build_parser(of=joined[:1]).parse_args(joined))
         name = given.pop("command")
-        (command,) = [command for command in COMMANDS if command.name == name]
+        command = next(each for each in COMMANDS if each.name == name).load()
         kept = command.interrupted
         with warnings.catch_warnings():
             warnings.showwarning = _show_warning
@@ -145,12 +156,16 @@ def _show_warning(
     line: str | None = None,
 ) -> None:
     """Show a warning that is meant for users, such as of an old name, on one line; others with their place in code."""
+    from indoor_explorers.env.errors import LONGEST_LINE, one_line
+
     text = f"{message}" if issubclass(category, FutureWarning) else f"{filename}:{lineno}: {message}"
     sys.stderr.write(f"indoor-explorers: {one_line(text, LONGEST_LINE)}\n")
 
 
 def _start(command: Command[Any], given: dict[str, Any], typed: str) -> int:
     """Run a command; a policy in this process that exits does not end it without a word."""
+    from indoor_explorers.env.errors import RunError, described
+
     try:
         return command.start(given, typed)
     except SystemExit as error:
@@ -166,12 +181,10 @@ def _system_error(error: OSError) -> str:
     return line
 
 
-if __name__ == "__main__":
-    sys.exit(main())
-
-
 def add_options(parser: argparse.ArgumentParser, request: type[Request]) -> None:
     """Add an option for every field marked as one; options that are not given are missing in the parsed namespace."""
+    from indoor_explorers.evaluation.harness.experiment.request import Option
+
     for name, field in request.model_fields.items():
         for option in field.metadata:
             if isinstance(option, Option):
@@ -198,3 +211,7 @@ def _help(field: FieldInfo) -> str:
     if isinstance(field.default, (str, int, float)) and not isinstance(field.default, bool):
         text += f" Default: {field.default if isinstance(field.default, str) else format(field.default, 'g')}."
     return text.replace("%", "%%")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

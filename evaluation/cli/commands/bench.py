@@ -42,4 +42,4 @@ def run_bench(options: BenchOptions, typed: str) -> int:
     return 0
 
 
-BENCH = Command("bench", "measure the speed figures on this machine", BenchOptions, run_bench, "nothing was written")
+BENCH = Command(BenchOptions, run_bench, "nothing was written")

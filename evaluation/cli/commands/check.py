@@ -35,4 +35,4 @@ def check(options: CheckOptions, typed: str) -> int:
     return 1 if failures else 0
 
 
-CHECK = Command("check", "run the conformance suite on a policy", CheckOptions, check)
+CHECK = Command(CheckOptions, check)

@@ -111,4 +111,4 @@ def print_failures(results: Results, console: Console) -> int:
     return 1 if lines else 0
 
 
-COMPARE = Command("compare", "fly policies on the same tasks and write a report", CompareOptions, run_compare)
+COMPARE = Command(CompareOptions, run_compare)

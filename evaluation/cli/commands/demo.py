@@ -39,4 +39,4 @@ def run_demo(options: DemoOptions, typed: str) -> int:
     return print_failures(results, console)
 
 
-DEMO = Command("demo", "a first comparison of three policies, with a page and a film", DemoOptions, run_demo)
+DEMO = Command(DemoOptions, run_demo)

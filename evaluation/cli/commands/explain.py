@@ -34,4 +34,4 @@ def run_explain(options: ExplainOptions, typed: str) -> int:
     return 0
 
 
-EXPLAIN = Command("explain", "print why each UAV flies where it does at a step", ExplainOptions, run_explain)
+EXPLAIN = Command(ExplainOptions, run_explain)

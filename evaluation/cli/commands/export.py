@@ -51,6 +51,4 @@ def run_export(options: ExportOptions, typed: str) -> int:
     return 0
 
 
-EXPORT = Command(
-    *("export", "write a recorded episode as MCAP, ROS 2 bag or CSV", ExportOptions, run_export, "nothing was written")
-)
+EXPORT = Command(ExportOptions, run_export, "nothing was written")

@@ -67,6 +67,4 @@ def _known_scenarios() -> set[str]:
     return {*PRESETS, *(scenario.name for suite in suites().values() for scenario in suite.scenarios())}
 
 
-IMPORT = Command(
-    *("import", "take rows that others flew into a results folder", ImportOptions, run_import, "nothing was imported")
-)
+IMPORT = Command(ImportOptions, run_import, "nothing was imported")

@@ -93,6 +93,4 @@ def _print(board: Board, console: PlainConsole) -> None:
         print_line(console, note)
 
 
-LEADERBOARD = Command(
-    "leaderboard", "rank the policies of result folders by suite and scenario", LeaderboardOptions, run_leaderboard
-)
+LEADERBOARD = Command(LeaderboardOptions, run_leaderboard)

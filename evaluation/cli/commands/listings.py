@@ -153,6 +153,6 @@ def _shape(source: MapSource) -> tuple[int, int]:
     return (height, width) if height and width else source.floorplan(0, 0).shape
 
 
-POLICIES = Command("policies", "list the installed policies, or explain some", ListOptions, list_policies)
-SCENARIOS = Command("scenarios", "list the preset scenarios, or print some", ListOptions, list_scenarios)
-LEARNERS = Command("learners", "list the installed learners, or explain some", ListOptions, list_learners)
+POLICIES = Command(ListOptions, list_policies)
+SCENARIOS = Command(ListOptions, list_scenarios)
+LEARNERS = Command(ListOptions, list_learners)

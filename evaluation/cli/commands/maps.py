@@ -166,7 +166,7 @@ def _compare(options: MapsOptions) -> int:
     return 0
 
 
-MAPS = Command("maps", "draw map files, or the maps of a scenario, and print their facts", MapsOptions, show_maps)
+MAPS = Command(MapsOptions, show_maps)
 
 
 class AuditOptions(Request):
@@ -230,9 +230,4 @@ def _audit_lines(audit: Audit) -> list[str]:
     ]
 
 
-AUDIT = Command(
-    "maps audit",
-    "find the test maps that a training folder has, turned and rescaled ones too",
-    AuditOptions,
-    audit_maps,
-)
+AUDIT = Command(AuditOptions, audit_maps)

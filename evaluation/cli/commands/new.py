@@ -32,4 +32,4 @@ def run_new(options: NewOptions, typed: str) -> int:
     return 0
 
 
-NEW = Command("new", "make a folder that a plug-in starts from", NewOptions, run_new, "nothing was made")
+NEW = Command(NewOptions, run_new, "nothing was made")

@@ -65,4 +65,4 @@ def fly_dare(options: PeerOptions, typed: str) -> int:
     return print_flights(console, table, shown, options.out)
 
 
-DARE = Command("peer dare", "fly policies in the simulator of DARE, run from a clone of it", PeerOptions, fly_dare)
+DARE = Command(PeerOptions, fly_dare)

@@ -67,4 +67,4 @@ def fly_ir2(options: TeamPeerOptions, typed: str) -> int:
     return print_flights(console, flight_table(shown, options.policies, options.tasks, others), shown, options.out)
 
 
-IR2 = Command("peer ir2", "fly teams in the simulator of IR2, run from a clone of it", TeamPeerOptions, fly_ir2)
+IR2 = Command(TeamPeerOptions, fly_ir2)

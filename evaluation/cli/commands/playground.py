@@ -27,6 +27,4 @@ def run_playground(options: PlaygroundOptions, typed: str) -> int:
     return 0
 
 
-PLAYGROUND = Command(
-    "playground", "write a page on which a team explores a map that you draw", PlaygroundOptions, run_playground
-)
+PLAYGROUND = Command(PlaygroundOptions, run_playground)

@@ -100,4 +100,4 @@ def run_report(options: ReportOptions, typed: str) -> int:
     return 0
 
 
-REPORT = Command("report", "rebuild a report, or combine several results", ReportOptions, run_report)
+REPORT = Command(ReportOptions, run_report)

@@ -98,4 +98,4 @@ def _data_lines(suite: Suite, data: tuple[Path, ...]) -> Iterable[str]:
         yield f"  {how_to_fetch(home)}"
 
 
-SUITES = Command("suites", "list the suites, or explain one", SuitesOptions, run_suites)
+SUITES = Command(SuitesOptions, run_suites)

@@ -187,9 +187,7 @@ def run_thesis_experiments(options: ThesisOptions, typed: str) -> int:
     return 0
 
 
-TRAIN = Command("train", "train a learner: the DDDQN, or a baseline through another library", TrainOptions, run_train)
-ABLATE = Command("ablate", "train a learner without each of its ingredients, and compare", AblateOptions, run_ablate)
-SCALE = Command("scale", "train with more and less experience, width and maps, and compare", ScaleOptions, run_scale)
-THESIS = Command(
-    "thesis", "repeat every experiment of the IndoorExplorers thesis", ThesisOptions, run_thesis_experiments
-)
+TRAIN = Command(TrainOptions, run_train)
+ABLATE = Command(AblateOptions, run_ablate)
+SCALE = Command(ScaleOptions, run_scale)
+THESIS = Command(ThesisOptions, run_thesis_experiments)

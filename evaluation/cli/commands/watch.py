@@ -37,6 +37,4 @@ def run_watch(options: WatchOptions, typed: str) -> int:
     return 0
 
 
-WATCH = Command(
-    *("watch", "watch a policy fly one episode, or save it as a video", WatchOptions, run_watch, "nothing was written")
-)
+WATCH = Command(WatchOptions, run_watch, "nothing was written")

@@ -80,9 +80,33 @@ def test_every_command_has_help_for_every_option(capsys):
         with pytest.raises(SystemExit, match="0"):
             build_parser().parse_args([command.name, "--help"])
         printed = " ".join(capsys.readouterr().out.split())
-        for field in command.options.model_fields.values():
+        for field in command.load().options.model_fields.values():
             assert field.description is not None
             assert " ".join(field.description.split())[:40] in printed
+
+
+def test_help_comes_before_anything_slow_is_imported():
+    code = """
+import sys
+from indoor_explorers.evaluation.cli import main
+try:
+    main(["--help"])
+finally:
+    print({"numpy", "pydantic", "gymnasium"} & set(sys.modules))
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "set()"
+
+
+def test_a_command_loads_its_own_options_alone():
+    code = """
+import sys
+from indoor_explorers.evaluation.cli.parser import main
+main(["suites"])
+print(sorted(name.rpartition(".")[2] for name in sys.modules if ".cli.commands." in name))
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "['suites']"
 
 
 def test_the_likely_option_is_named():
