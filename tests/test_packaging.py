@@ -1,5 +1,7 @@
 """The distribution holds what the tree holds, and works when it is installed from a wheel."""
 
+import json
+import os
 import re
 import shutil
 import subprocess
@@ -9,6 +11,9 @@ import zipfile
 from pathlib import Path
 
 import pytest
+import yaml
+from packaging.requirements import Requirement
+from packaging.specifiers import SpecifierSet
 
 ROOT = Path(__file__).resolve().parent.parent
 FLOORS = ("env", "planners", "learners", "evaluation")
@@ -170,3 +175,111 @@ def test_constraints_pin_everything_and_name_no_host(project):
         for need in needs
     }
     assert wanted - {"indoor-explorers"} <= pinned
+
+
+#: The systems of the documents, in uv's words, with whether OMPL has wheels there.
+SYSTEMS = {"x86_64-unknown-linux-gnu": True, "aarch64-unknown-linux-gnu": True, "macos": True, "windows": False}
+
+
+@pytest.fixture(scope="module")
+def uv(tmp_path_factory):
+    """Run uv in an empty folder, for macOS 15; a test is skipped where the index cannot be reached."""
+    folder = tmp_path_factory.mktemp("uv")
+
+    def run(*words, **variables):
+        fixed = {"UV_NO_CONFIG": "1", "UV_PYTHON_DOWNLOADS": "never", "MACOSX_DEPLOYMENT_TARGET": "15.0"}
+        environment = {**os.environ, **fixed, **variables}
+        command = [sys.executable, "-m", "uv", *map(str, words)]
+        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, env=environment, check=False)
+        if done.returncode and any(
+            sign in done.stderr for sign in ("Failed to fetch", "dns error", "Network connectivity is disabled")
+        ):
+            pytest.skip("the package index cannot be reached")
+        assert done.returncode == 0, done.stderr
+        return done.stdout
+
+    return run
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("python", ["3.11", "3.12", "3.13", "3.14"])
+@pytest.mark.parametrize("system", SYSTEMS)
+def test_every_dependency_has_wheels(uv, system, python):
+    """For each system and Python of the documents; OMPL is left out where it has none."""
+    asked = uv(
+        *("pip", "compile", "--only-binary", ":all:", "--no-header", "--no-annotate", ROOT / "pyproject.toml"),
+        *("--python-platform", system, "--python-version", python),
+    )
+    found = {line.partition("==")[0] for line in asked.splitlines()}
+    assert {"numba", "gymnasium", "matplotlib"} <= found
+    assert ("ompl" in found) == (SYSTEMS[system] and python != "3.14")
+
+
+@pytest.mark.slow
+def test_the_wheel_is_installed_as_a_tool(uv, wheel, tmp_path):
+    """With the versions that constraints.txt pins, in an environment of its own."""
+    folders = {"UV_TOOL_DIR": str(tmp_path / "tools"), "UV_TOOL_BIN_DIR": str(tmp_path / "bin")}
+    uv("tool", "install", "--python", sys.executable, "--constraints", ROOT / "constraints.txt", wheel, **folders)
+    command = tmp_path / "bin" / "indoor-explorers"
+    done = subprocess.run([command, "policies"], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert "frontier-nearest" in done.stdout
+
+
+def test_a_missing_ompl_is_told_by_the_policies_that_need_it_alone():
+    code = """
+import sys
+sys.modules["ompl"] = None
+from indoor_explorers.env.policies.registry import policy_class, policy_names
+for name in policy_names():
+    try:
+        policy_class(name)
+    except ValueError as error:
+        print(name, "OMPL has wheels for" in str(error))
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    sampling = ("cover-tour", "prm-tour", "rrt", "rrt-aep", "rrt-frontier", "rrt-nbv", "rrt-predictive")
+    assert done.stdout.splitlines() == [f"{name} True" for name in sampling]
+
+
+def test_the_image_runs_the_comparison_as_an_ordinary_user(project):
+    """The Dockerfile is read, not built."""
+    steps = re.sub(r"\\\n\s*", "", (ROOT / "Dockerfile").read_text())
+    words = [line.split(maxsplit=1) for line in steps.splitlines() if line and not line.startswith("#")]
+    version = re.fullmatch(r"python:(\d+\.\d+)-slim", words[0][1])[1]
+    assert words[0][0] == "FROM"
+    assert SpecifierSet(project["project"]["requires-python"]).contains(version)
+    assert [rest for word, rest in words if word == "USER"] == ["explorer"]
+    assert words[-1] == ["CMD", '["make", "compare"]']
+    made = next(rest for word, rest in words if word == "RUN" and rest.startswith("make ")).split()[1]
+    assert subprocess.run(["make", "-n", made], cwd=ROOT, capture_output=True, check=True)
+    container = json.loads((ROOT / ".devcontainer" / "devcontainer.json").read_text())
+    assert (ROOT / ".devcontainer" / container["build"]["dockerfile"]).resolve() == ROOT / "Dockerfile"
+    assert subprocess.run(["make", "-n", container["postCreateCommand"].split()[1]], cwd=ROOT, check=True)
+
+
+def test_the_conda_recipe_needs_what_the_package_needs(project):
+    recipe = yaml.safe_load((ROOT / ".conda" / "recipe.yaml").read_text())
+    told = {Requirement(each) for each in recipe["requirements"]["run"]}
+    wanted = {Requirement(each) for each in project["project"]["dependencies"]}
+    names = {"matplotlib": "matplotlib-base"}
+    assert {(each.name, str(each.specifier)) for each in told} == {
+        ("python", project["project"]["requires-python"]),
+        *((names.get(each.name, each.name), str(each.specifier)) for each in wanted),
+    }
+    assert recipe["package"] == {"name": project["project"]["name"], "version": project["project"]["version"]}
+    (script,) = recipe["build"]["python"]["entry_points"]
+    assert dict([script.split(" = ")]) == project["project"]["scripts"]
+
+
+def test_windows_is_told_what_to_do():
+    code = """
+import sys
+import indoor_explorers.env.errors
+sys.platform = "win32"
+try:
+    import indoor_explorers.evaluation.harness.engines
+except ValueError as error:
+    print(error)
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert "use the Windows Subsystem for Linux" in done.stdout

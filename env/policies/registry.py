@@ -38,6 +38,8 @@ EXTRAS = {
     "sb3_contrib": "sb3",
     "ray": "ray",
 }
+#: What else to say of a module that is missing.
+WITHOUT_WHEELS = {"ompl": "OMPL has wheels for Python up to 3.13, on Linux and on macOS 15 and newer"}
 
 
 class _Target(NamedTuple):
@@ -115,9 +117,10 @@ def _refuse_unknown(name: str, kind: Any, parameters: Mapping[str, Any]) -> None
 
 
 def missing_module(error: ModuleNotFoundError) -> str:
-    """Return which module is not installed, and the extra of this package that contains it."""
-    extra = EXTRAS.get((error.name or "").partition(".")[0])
-    return f"no module named {error.name!r}" + (f"; install indoor-explorers[{extra}]" if extra else "")
+    """Return which module is not installed, and the extra of this package, or the systems, that have it."""
+    module = (error.name or "").partition(".")[0]
+    where = f"install indoor-explorers[{EXTRAS[module]}]" if module in EXTRAS else WITHOUT_WHEELS.get(module)
+    return f"no module named {error.name!r}" + (f"; {where}" if where else "")
 
 
 def _declared(group: str, what: str) -> dict[str, EntryPoint]:

@@ -29,10 +29,11 @@ GREY = "#666666"
 
 
 def write_figure(found: Mapping[str, Levels], scenario: str, folder: Path) -> Path:
-    """Write the figure as SVG, PNG and PDF, and return the path of the PNG."""
+    """Write the figure of the axes with several levels as SVG, PNG and PDF, and return the path of the PNG."""
     folder.mkdir(parents=True, exist_ok=True)
+    varied = {axis: by_level for axis, by_level in found.items() if len(by_level) > 1}
     with print_style():
-        paths = save(scaling_figure(found, scenario), folder, "scaling")
+        paths = save(scaling_figure(varied or found, scenario), folder, "scaling")
     return next(path for path in paths if path.suffix == ".png")
 
 
@@ -54,7 +55,7 @@ def scaling_figure(found: Mapping[str, Levels], scenario: str) -> Figure:
 
 def positions(levels: Sequence[float]) -> NDArray[np.float64]:
     """Return the places (K,) of levels on a logarithmic axis; an infinite one is a step beyond the largest."""
-    finite = sorted(level for level in levels if math.isfinite(level))
+    finite = sorted(level for level in levels if math.isfinite(level)) or [1.0]
     step = finite[-1] / finite[-2] if len(finite) > 1 else 4.0
     return np.array([level if math.isfinite(level) else finite[-1] * step for level in levels])
 
