@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
 from indoor_explorers.env import InputError
 from indoor_explorers.env.policies.registry import is_own_policy
 from indoor_explorers.env.simulation.spawns import draw_floorplan, draw_spawns
-from indoor_explorers.evaluation.harness.engines.factory import make_engine
+from indoor_explorers.evaluation.harness.engines.factory import Engine, make_engine
 from indoor_explorers.evaluation.harness.engines.loading import PolicyLoader
 from indoor_explorers.evaluation.harness.engines.plugin_checks import Facts, found_in_flights, with_failed_checks
 from indoor_explorers.evaluation.harness.engines.workload import Workload
 from indoor_explorers.evaluation.harness.episodes.record import FlownEpisode
-from indoor_explorers.evaluation.harness.experiment.experiment import Experiment, PolicyChoice
+from indoor_explorers.evaluation.harness.experiment.experiment import Experiment, PolicyChoice, Task
 from indoor_explorers.evaluation.harness.experiment.limits import limits_for
+from indoor_explorers.evaluation.harness.experiment.policy_facts import with_chosen_on
 from indoor_explorers.evaluation.harness.experiment.provenance import run_facts
 from indoor_explorers.evaluation.harness.experiment.request import ComparisonRequest
 from indoor_explorers.evaluation.harness.experiment.selection import chosen_baselines
@@ -68,13 +69,19 @@ def fly_missing(
     *,
     watcher: Watcher | None = None,
     command: str = "",
+    only: Collection[Task] | None = None,
+    engine: Engine | None = None,
 ) -> None:
-    """Fly the episodes that ``out/results.db`` lacks, and write nothing else; see :func:`run`."""
+    """Fly the episodes that ``out/results.db`` lacks, and write nothing else; see :func:`run`.
+
+    Of the experiment's tasks ``only`` these, if given, are flown, and by ``engine`` instead of a new one.
+    """
     how = request
-    fly_jobs = make_engine(how.engine, how.workers, how.address, how.decision_timeout, how.memory_limit)
+    fly_jobs = engine or make_engine(how.engine, how.workers, how.address, how.decision_timeout, how.memory_limit)
     limits = None if how.workers == 0 else limits_for(1, how.decision_timeout, how.memory_limit)
     with PolicyLoader(limits) as loader:
-        about = loader.facts(experiment.policies)
+        known = loader.facts(experiment.policies)
+        about = {choice.name: with_chosen_on(known[choice.name], choice) for choice in experiment.policies}
         present = tuple(choice.by_present_names(about[choice.name]) for choice in experiment.policies)
         experiment = experiment.model_copy(update={"policies": present})
         _refuse_unstartable(experiment)
@@ -85,6 +92,8 @@ def fly_missing(
             facts = run_facts(command, how.engine, how.workers)
             number = store.begin_run(experiment, _of_all_runs(about, store.policies()), facts, refly=how.refly)
             finished = store.finished(failed=not how.retry_failed)
+            if only is not None:
+                finished |= {(each.name, task) for each in present for task in {*experiment.tasks()} - {*only}}
             workload = Workload(experiment, finished, _worker_count(how), about=about)
             if watcher is not None:
                 watcher.begin(len(experiment.policies) * len(experiment.tasks()), len(workload))

@@ -38,7 +38,7 @@ class ReturnToBase(ExploringWith):
     """When to fly home before the end: ``trips``: when the last contact with the base is older than some flights home
     and back take; ``worth``: when what is not reported has waited so long that a flight home costs no more, and there
     is time for it; ``every``: after a fixed number of steps; ``deadline``: at the end alone; ``never``."""
-    trips: float = bounded(2.0, least=0)
+    trips: float = bounded(2.0, least=0, tunable=(0.0, 8.0))
     """``trips``: how many such flights."""
     worth: float = bounded(0.5, least=0)
     """``worth``: the sum over the unreported cells of the steps that they have waited, as a share of the cost of a

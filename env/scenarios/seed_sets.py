@@ -26,7 +26,7 @@ class SeedUse(StrEnum):
     TRAINING = "training"
     """Training episodes, and the maps that a map prior is fitted to."""
     VALIDATION = "validation"
-    """Evaluations during a training, by which its best weights are selected."""
+    """Evaluations by which the best weights of a training are selected, or tuned parameters are taken or left."""
 
 
 class SeedSet(NamedTuple):
@@ -60,6 +60,8 @@ SEED_SETS = (
     SeedSet("suites-validation", SeedUse.VALIDATION, 31_000_000, 1_000_000),
     SeedSet("suites-test", SeedUse.TEST, 32_000_000, 1_000_000, published=2),
     SeedSet("ablation", SeedUse.TUNING, 2**39, 2**20, published=1),
+    SeedSet("tune", SeedUse.TUNING, 2**39 + 2**20, 2**20),
+    SeedSet("tune-fresh", SeedUse.VALIDATION, 2**39 + 2**21, 2**20, published=1),
 )
 
 

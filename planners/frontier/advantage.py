@@ -28,14 +28,14 @@ class FrontierAdvantage(SwitchCostParameters, Policy):
 
     plans_for: ClassVar[str] = ALL_CELLS
 
-    remoteness: float = bounded(1.0, least=0)
+    remoteness: float = bounded(1.0, least=0, tunable=(0.1, 10.0, "log"))
     """Weight of the mean distance from the other clusters against the path length."""
-    reach: float = bounded(6.0, least=0)
+    reach: float = bounded(6.0, least=0, tunable=(1.0, 20.0, "log"))
     """Distance at which another cluster counts as far, in lidar ranges."""
     switch_cost: float = 0.5
-    weight: float = bounded(4.0, least=0)
+    weight: float = bounded(4.0, least=0, tunable=(0.3, 16.0, "log"))
     """A cluster at a place that another UAV has taken counts as this many lidar ranges farther."""
-    taken: float = bounded(1.0, least=0)
+    taken: float = bounded(1.0, least=0, tunable=(0.0, 2.0))
     """Distance up to which a taken cluster adds to the cost of others, in lidar ranges."""
 
     def pilot(self, briefing: Briefing) -> Pilot:

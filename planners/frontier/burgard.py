@@ -33,9 +33,9 @@ class FrontierBurgard(SwitchCostParameters, Policy):
     plans_for: ClassVar[str] = ALL_CELLS
 
     switch_cost: float = 1.0
-    weight: float = bounded(4.0, least=0)
+    weight: float = bounded(4.0, least=0, tunable=(0.3, 16.0, "log"))
     """Utility of a cluster in lidar ranges of path; a cluster in a taken one's place loses all of it (paper: beta)."""
-    reach: float = bounded(1.0, least=0)
+    reach: float = bounded(1.0, least=0, tunable=(0.25, 4.0, "log"))
     """Distance up to which a taken cluster lowers the utility of others, in lidar ranges."""
 
     def pilot(self, briefing: Briefing) -> Pilot:

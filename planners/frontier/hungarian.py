@@ -26,7 +26,7 @@ class FrontierHungarian(SwitchCostParameters, Policy):
     plans_for: ClassVar[str] = ALL_CELLS
 
     switch_cost: float = 1.0
-    extra: float = bounded(1.0, least=0)
+    extra: float = bounded(1.0, least=0, tunable=(0.0, 4.0))
     """Cost of not being the first UAV at a cluster, in lidar ranges."""
 
     def pilot(self, briefing: Briefing) -> Pilot:

@@ -41,9 +41,9 @@ class FrontierJoint(SequenceParameters, ReplanParameters, Policy):
 
     clusters: int = bounded(32, least=1)
     """Most frontier clusters to choose from: the nearest to any UAV of the group."""
-    lookouts: int = bounded(8, least=0)
+    lookouts: int = bounded(8, least=0, tunable=(0, 16))
     """Most other candidates near each UAV, cells with unknown cells in view."""
-    near: int = bounded(6, least=0)
+    near: int = bounded(6, least=0, tunable=(2, 12))
     """Largest distance of these from a UAV, in steps."""
 
     def pilot(self, briefing: Briefing) -> Pilot:

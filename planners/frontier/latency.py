@@ -47,7 +47,7 @@ class FrontierLatency(PlaceParameters, Policy):
 
     plans_for: ClassVar[str] = ALL_CELLS
 
-    sector: float = bounded(0.0, least=0)
+    sector: float = bounded(0.0, least=0, tunable=(0.0, 6.0))
     """Preference for the UAV's own sector of the map while teammates were never heard; see :class:`OutOfContact`."""
 
     def pilot(self, briefing: Briefing) -> Pilot:

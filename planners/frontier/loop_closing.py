@@ -50,9 +50,9 @@ class LoopClosing(ExploringWith):
 
     plans_for: ClassVar[str] = ALL_CELLS
 
-    doubt: float = bounded(0.5, least=0.01, most=0.99)
+    doubt: float = bounded(0.5, least=0.01, most=0.99, tunable=(0.1, 0.9))
     """Probability of a wrong pose from which on a UAV takes it for wrong."""
-    scan_cost: float = bounded(1.0, least=0)
+    scan_cost: float = bounded(1.0, least=0, tunable=(0.1, 10.0, "log"))
     """Cost of a scan that a correction would leave in the wrong place, in steps."""
 
     def pilot(self, briefing: Briefing) -> Pilot:

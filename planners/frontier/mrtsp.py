@@ -32,11 +32,11 @@ class FrontierMrtsp(SwitchCostParameters, Policy):
     plans_for: ClassVar[str] = ALL_CELLS
 
     switch_cost: float = 0.5
-    start_weight: float = bounded(1.0, least=0)
+    start_weight: float = bounded(1.0, least=0, tunable=(0.1, 10.0, "log"))
     """Weight of the first cluster's steps or quarter turns."""
-    weight: float = bounded(4.0, least=0)
+    weight: float = bounded(4.0, least=0, tunable=(0.3, 16.0, "log"))
     """A cluster at a place that another UAV has taken counts as this many lidar ranges farther."""
-    reach: float = bounded(1.0, least=0)
+    reach: float = bounded(1.0, least=0, tunable=(0.25, 4.0, "log"))
     """Distance up to which a taken cluster adds to the cost of others, in lidar ranges."""
 
     def pilot(self, briefing: Briefing) -> Pilot:

@@ -36,7 +36,7 @@ class FrontierTour(SwitchCostParameters, Policy):
     plans_for: ClassVar[str] = ALL_CELLS
 
     switch_cost: float = 0.3
-    clusters: int = bounded(30, least=1)
+    clusters: int = bounded(30, least=1, tunable=(6, 60))
     """Largest number of clusters on the tours of a group: the nearest to any of its UAVs."""
 
     def pilot(self, briefing: Briefing) -> Pilot:

@@ -35,14 +35,14 @@ class FrontierUtility(SwitchCostParameters, Policy):
 
     plans_for: ClassVar[str] = ALL_CELLS
 
-    form: Form = one_of("size", get_args(Form))
+    form: Form = one_of("size", get_args(Form), tunable=True)
     """Form of the score: ``size``, ``difference`` or ``discounted``."""
-    cost: float = bounded(3.0, least=0)
+    cost: float = bounded(3.0, least=0, tunable=(0.3, 30.0, "log"))
     """Weight c of the path length in the form; 3 suits all three."""
     switch_cost: float = 0.5
-    weight: float = bounded(4.0, least=0)
+    weight: float = bounded(4.0, least=0, tunable=(0.3, 16.0, "log"))
     """A cluster at a place that another UAV has taken counts as this many lidar ranges farther."""
-    reach: float = bounded(1.0, least=0)
+    reach: float = bounded(1.0, least=0, tunable=(0.25, 4.0, "log"))
     """Distance up to which a taken cluster adds to the cost of others, in lidar ranges."""
 
     def pilot(self, briefing: Briefing) -> Pilot:

@@ -56,15 +56,15 @@ class Horizon(Parameters, Policy):
     """Beam width: states kept at each step."""
     depth: int = bounded(80, least=1)
     """Search depth in steps."""
-    isolation: float = bounded(8.0, least=0)
+    isolation: float = bounded(8.0, least=0, tunable=(1.0, 32.0, "log"))
     """Additional weight of an unseen cell without unseen neighbours, in cells, if the goal is full coverage."""
-    caution: float = bounded(2.6, least=0)
+    caution: float = bounded(2.6, least=0, tunable=(0.5, 6.0))
     """Factor on ``isolation`` if there may be obstacles: plans fail more often, and pockets left behind cost more."""
-    pull: float = bounded(0.02, least=0)
+    pull: float = bounded(0.02, least=0, tunable=(0.002, 0.2, "log"))
     """Cost of a step to the next gain, in cells."""
     stretch: float = bounded(0.0, least=0)
     """Cost of a step to the unseen cell that takes longest, in cells."""
-    spare: float = bounded(0.0095, least=0)
+    spare: float = bounded(0.0095, least=0, tunable=(0.0, 0.03))
     """Share of the cells that is deferred to the end, so that all others are seen sooner."""
     prior: PriorSource = one_of("source", get_args(PriorSource))
     """Source of the probability of obstacles; "none" assumes that all unknown cells are free."""
@@ -75,7 +75,7 @@ class Horizon(Parameters, Policy):
     rollouts: int = bounded(0, least=0)
     """Number of sampled rooms in which tours with other first steps are compared before one is chosen, with ``prior``
     "source" and one UAV; with 24 a decision takes about four times as long; 0 disables rollouts."""
-    deference: float = bounded(0.1, least=0)
+    deference: float = bounded(0.1, least=0, tunable=(0.0, 1.0))
     """Factor on the weight of a cell for each teammate that is closer to it."""
     room: int = bounded(600, least=0)
     """Largest number of cells of a map that is planned cell by cell."""

@@ -75,19 +75,19 @@ class Pomdp(EstimateUser, DiscountParameters, GoalBonusParameters, ReplanParamet
     """Completions of the map that are drawn for a decision."""
     scale: float = 3.0
     """Factor on the sizes of pockets: in small ones a simulated flight gets stuck at once, whatever it tries."""
-    actions: int = bounded(8, least=1)
+    actions: int = bounded(8, least=1, tunable=(2, 16))
     """Most clusters to choose among: those with the largest sqrt(view gain) e^(-discount_rate d / R)."""
-    tree: int = bounded(2, least=1)
+    tree: int = bounded(2, least=1, tunable=(1, 4))
     """Most macro actions in the tree, before nearest frontiers."""
-    horizon: float = bounded(6.0, least=1)
+    horizon: float = bounded(6.0, least=1, tunable=(2.0, 12.0))
     """Simulated steps, in lidar ranges."""
     discount_rate: float = 1.2
     """Discount rate of newly known cells, per lidar range of flight."""
-    exploration: float = bounded(1.0, least=0)
+    exploration: float = bounded(1.0, least=0, tunable=(0.1, 4.0, "log"))
     """Factor of the confidence bounds, in units of the range of returns."""
-    isolation: float = bounded(16.0, least=0)
+    isolation: float = bounded(16.0, least=0, tunable=(1.0, 64.0, "log"))
     """Additional weight of an unknown cell that is surrounded by known ones."""
-    dimming: float = bounded(0.8, least=0, most=1)
+    dimming: float = bounded(0.8, least=0, most=1, tunable=(0.0, 1.0))
     """Share of its value that a pocket loses for each linked teammate that flies near it, 0 to 1."""
     period: float = 0.3
 

@@ -66,9 +66,9 @@ class PriorTour(Parameters, Policy):
     """Changes of the routes that each search tries; a quarter of it in later plans."""
     work: int = bounded(100_000_000, least=1)
     """The same in words joined, 64 cells at most each: bounds the time on large maps."""
-    period: float = bounded(1.0, least=0)
+    period: float = bounded(1.0, least=0, tunable=(0.2, 4.0, "log"))
     """Steps from a plan to the next, in lidar ranges, if known cells contradict it and no route is blocked."""
-    distrust: float = bounded(0.25, least=0)
+    distrust: float = bounded(0.25, least=0, tunable=(0.0, 1.0))
     """Share of the known cells that contradict the prior above which only frontiers are flown to."""
 
     def pilot(self, briefing: Briefing) -> Pilot:

@@ -38,11 +38,11 @@ class CoverTour(CoverParameters, ViewpointPolicy):
 
     keep: float = 1.0
     stops: int = 40
-    reach: float = bounded(0.8, least=0.1, most=1)
+    reach: float = bounded(0.8, least=0.1, most=1, tunable=(0.4, 1.0))
     """Distance from which a viewpoint sees a frontier cell, in lidar ranges."""
-    spacing: float = bounded(0.2, least=0)
+    spacing: float = bounded(0.2, least=0, tunable=(0.1, 0.6))
     """Distance between the viewpoints of the lattice, in lidar ranges; at least a cell."""
-    period: float = bounded(0.2, least=0)
+    period: float = bounded(0.2, least=0, tunable=(0.05, 1.0, "log"))
     """Length of flight after which the UAV chooses again if the map has grown, in lidar ranges."""
     as_published: bool = False
     """Whether to fly the shortest tour."""

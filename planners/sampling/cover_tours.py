@@ -29,11 +29,11 @@ class CoverParameters(Parameters):
 
     restarts: int = bounded(10, least=1)
     """Number of covers that are tried for each tour."""
-    choices: int = bounded(3, least=1)
+    choices: int = bounded(3, least=1, tunable=(1, 6))
     """Number of best viewpoints that a cover draws from in each round."""
     stops: int = bounded(30, least=1)
     """Most stops of a tour."""
-    keep: float = bounded(1.2, least=0)
+    keep: float = bounded(1.2, least=0, tunable=(1.0, 2.0))
     """Factor on the merit of a tour that is similar to the last one."""
 
     def covers(

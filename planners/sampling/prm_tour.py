@@ -38,9 +38,9 @@ class PrmTour(CoverParameters, ViewpointPolicy):
     environments", RSS 2021, doi:10.15607/RSS.2021.XVII.018.
     """
 
-    milestones: int = bounded(200, least=1)
+    milestones: int = bounded(200, least=1, tunable=(50, 400, "log"))
     """Milestones of the roadmap, half of them on the frontier if there are enough frontier cells."""
-    least: float = bounded(0.002, least=0)
+    least: float = bounded(0.002, least=0, tunable=(0.0005, 0.02, "log"))
     """Fewest cells that a stop must add to the view, as a share of the lidar's disc."""
     as_published: bool = False
     """Whether to fly the shortest tour, as in the paper, instead of the one with the largest discounted gain."""

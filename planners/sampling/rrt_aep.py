@@ -55,19 +55,19 @@ class RrtAep(GoalBonusParameters, TreePolicy):
     discount_rate: float = 2.4
     samples: int = 100
     """Samples for each tree."""
-    near_samples: int = bounded(100, least=0)
+    near_samples: int = bounded(100, least=0, tunable=(0, 300))
     """Additional samples for the tree near the UAV, drawn from an inner square around it."""
-    local_period: float = bounded(0.1, least=0)
+    local_period: float = bounded(0.1, least=0, tunable=(0.05, 1.0, "log"))
     """Steps after which a tree is grown near the UAV if the map has grown, in lidar ranges."""
-    global_period: float = bounded(1.0, least=0)
+    global_period: float = bounded(1.0, least=0, tunable=(0.2, 4.0, "log"))
     """Steps after which a tree is grown over the whole map if the map has grown, in lidar ranges."""
     places: int = bounded(32, least=1)
     """Most viewpoints with different views to choose from."""
-    lookouts: int = bounded(8, least=0)
+    lookouts: int = bounded(8, least=0, tunable=(0, 16))
     """Most other viewpoints near a UAV of the group to choose from."""
-    order: float = bounded(0.3, least=0)
+    order: float = bounded(0.3, least=0, tunable=(0.05, 2.0, "log"))
     """Weight of the cost of the clusters that a sequence leaves behind, per lidar range, against log(value)."""
-    latency: float = bounded(3.0, least=0)
+    latency: float = bounded(3.0, least=0, tunable=(0.3, 30.0, "log"))
     """Weight of the mean waiting time relative to the length in that cost."""
     take_turns: bool = False
     """Whether to follow the paper: the local tree first, stored viewpoints if its gain is too small."""

@@ -53,15 +53,15 @@ class RrtFrontier(ViewpointPolicy):
     """Samples for the local tree, which is grown near the UAV whenever the map has grown."""
     global_samples: int = bounded(150, least=1)
     """Samples for the global tree, which is grown over the whole map when the goal is no frontier cell any more."""
-    bias: float = bounded(0.5, least=0)
+    bias: float = bounded(0.5, least=0, tunable=(0.0, 1.0))
     """Share of the samples drawn from unknown cells next to known free ones; the others are uniform."""
-    edge: float = bounded(4.0, least=0.5)
+    edge: float = bounded(4.0, least=0.5, tunable=(2.0, 12.0))
     """Longest edge of a tree in cells."""
-    local_ranges: float = bounded(1.0, least=0.5)
+    local_ranges: float = bounded(1.0, least=0.5, tunable=(0.5, 4.0))
     """Half the side of the square around the UAV that the local tree stays in, in lidar ranges."""
-    latency: float = bounded(16.0, least=0)
+    latency: float = bounded(16.0, least=0, tunable=(1.0, 100.0, "log"))
     """Weight of the mean waiting time relative to the length of the order."""
-    merge_distance: float = bounded(3.0, least=0)
+    merge_distance: float = bounded(3.0, least=0, tunable=(0.0, 8.0))
     """Distance in cells below which candidates are merged."""
     as_published: bool = False
     """Whether to use the paper's revenue."""

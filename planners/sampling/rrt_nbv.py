@@ -23,13 +23,13 @@ from indoor_explorers.planners.toolbox.parameters import bounded
 class TreePolicy(ViewpointPolicy):
     """Parameters of all planners that find viewpoints with random trees."""
 
-    samples: int = bounded(200, least=1)
+    samples: int = bounded(200, least=1, tunable=(50, 400, "log"))
     """Samples for a tree, which has at most one vertex more."""
-    bias: float = bounded(0.5, least=0)
+    bias: float = bounded(0.5, least=0, tunable=(0.0, 1.0))
     """Share of the samples drawn from unknown cells next to known free ones; the others are uniform."""
-    edge: float = bounded(6.0, least=0.5)
+    edge: float = bounded(6.0, least=0.5, tunable=(2.0, 12.0))
     """Longest edge of a tree in cells."""
-    local_ranges: float = bounded(2.0, least=0.5)
+    local_ranges: float = bounded(2.0, least=0.5, tunable=(0.5, 4.0))
     """Half the side of the square around the UAV that the samples are drawn from, in lidar ranges."""
 
 

@@ -85,7 +85,7 @@ class ViewpointPolicy(GainParameters, DiscountParameters, SwitchCostParameters, 
     plans_for: ClassVar[str] = ALL_CELLS
 
     discount_rate: float = 1.5
-    share: float = bounded(0.5, least=0)
+    share: float = bounded(0.5, least=0, tunable=(0.1, 1.0))
     """Factor on a gain for each closer teammate."""
 
 

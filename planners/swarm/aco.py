@@ -66,19 +66,19 @@ class Aco(GainParameters, DiscountParameters, GoalBonusParameters, ReplanParamet
 
     plans_for: ClassVar[str] = ALL_CELLS
 
-    amount: float = bounded(1.0, least=0)
+    amount: float = bounded(1.0, least=0, tunable=(0.1, 10.0, "log"))
     """Pheromone that is laid at a place in a step."""
-    spread: float = bounded(1.0, least=0.01)
+    spread: float = bounded(1.0, least=0.01, tunable=(0.25, 4.0, "log"))
     """Distance at which 1 / e of it is laid, in lidar ranges."""
-    evaporation: float = bounded(0.1, least=0, most=1)
+    evaporation: float = bounded(0.1, least=0, most=1, tunable=(0.01, 1.0, "log"))
     """Share of the pheromone that evaporates in a step, 0 to 1."""
-    own: float = bounded(0.1, least=0)
+    own: float = bounded(0.1, least=0, tunable=(0.0, 1.0))
     """Weight of the pheromone that a UAV lays for itself, relative to that of teammates."""
-    repulsion: float = bounded(4.0, least=0)
+    repulsion: float = bounded(4.0, least=0, tunable=(0.0, 10.0))
     """Exponent of the pheromone in the transition rule; 0 ignores it."""
-    attraction: float = bounded(4.0, least=0)
+    attraction: float = bounded(4.0, least=0, tunable=(0.5, 16.0, "log"))
     """Exponent of the worth in the transition rule (ant colony system: beta)."""
-    greed: float = bounded(0.9, least=0, most=1)
+    greed: float = bounded(0.9, least=0, most=1, tunable=(0.0, 1.0))
     """Probability of taking the cluster of largest weight instead of a draw, 0 to 1 (ant colony system: q_0)."""
     discount_rate: float = 1.0
     isolation: float = 16.0

@@ -61,19 +61,19 @@ class Bat(Pso):
     """Bats of the swarm, including the four that start from the initial plans."""
     rounds: int = 30
     """Most iterations of the swarm; with 0 the best initial plan is flown."""
-    frequency: float = bounded(0.5, least=0)
+    frequency: float = bounded(0.5, least=0, tunable=(0.1, 2.0, "log"))
     """Highest frequency, the lowest is 0: share of the way to the best position by which a velocity changes."""
-    loudness: float = bounded(1.0, least=1e-6, most=1)
+    loudness: float = bounded(1.0, least=1e-6, most=1, tunable=(0.1, 1.0))
     """Probability at first that a bat accepts a position that is no worse, above 0 and at most 1 (paper: A_0)."""
-    quieter: float = bounded(0.9, least=0, most=1)
+    quieter: float = bounded(0.9, least=0, most=1, tunable=(0.5, 1.0))
     """Factor on the loudness of a bat that has accepted a position (paper: alpha)."""
-    pulse: float = bounded(0.5, least=0, most=1)
+    pulse: float = bounded(0.5, least=0, most=1, tunable=(0.0, 1.0))
     """Pulse rate that a bat approaches: share of rounds in which it does not look around the best (paper: r_0)."""
-    quickening: float = bounded(0.9, least=0)
+    quickening: float = bounded(0.9, least=0, tunable=(0.1, 3.0, "log"))
     """Rate at which the pulse rate rises with the rounds (paper: gamma)."""
-    stride: float = bounded(0.3, least=0)
+    stride: float = bounded(0.3, least=0, tunable=(0.05, 1.0, "log"))
     """Largest change of a key in a look around the best position, at a mean loudness of 1."""
-    limit: int = bounded(8, least=1)
+    limit: int = bounded(8, least=1, tunable=(2, 30))
     """Rounds without an improvement after which a bat becomes a scout; more than ``rounds`` for Yang's algorithm."""
 
     @property

@@ -54,21 +54,21 @@ class Gso(GainParameters, Policy):
 
     plans_for: ClassVar[str] = ALL_CELLS
 
-    decay: float = bounded(0.4, least=0.01, most=1)
+    decay: float = bounded(0.4, least=0.01, most=1, tunable=(0.05, 1.0, "log"))
     """Share of its luciferin that a glowworm loses each time the map grows, above 0 and at most 1 (paper: rho)."""
     enhancement: float = bounded(0.6, least=0)
     """Luciferin gained for each weighted cell in view (paper: gamma); it scales all luciferin alike."""
-    wanted: int = bounded(1, least=1)
+    wanted: int = bounded(1, least=1, tunable=(1, 8))
     """Neighbours that the decision range adapts to (paper: n_t, 5). With more, UAVs fly past near clusters."""
-    adaption: float = bounded(0.5, least=0)
+    adaption: float = bounded(0.5, least=0, tunable=(0.05, 2.0, "log"))
     """Change of the decision range for each neighbour too many or too few, in lidar ranges (paper: beta, .08)."""
-    sensor: float = bounded(8.0, least=0)
+    sensor: float = bounded(8.0, least=0, tunable=(1.0, 20.0, "log"))
     """Largest decision range, in lidar ranges (paper: r_s)."""
-    start: float = bounded(0.5, least=0)
+    start: float = bounded(0.5, least=0, tunable=(0.25, 4.0, "log"))
     """Decision range at first, in lidar ranges (paper: the sensor range)."""
-    sharpness: float = bounded(8.0, least=0)
+    sharpness: float = bounded(8.0, least=0, tunable=(1.0, 32.0, "log"))
     """Exponent of the luciferin difference in the draw: 1 is the paper's, large ones take the brightest neighbour."""
-    dimming: float = bounded(0.8, least=0, most=1)
+    dimming: float = bounded(0.8, least=0, most=1, tunable=(0.0, 1.0))
     """Share of its view gain that a cluster loses for each linked teammate that flies near it, 0 to 1."""
 
     def pilot(self, briefing: Briefing) -> Pilot:

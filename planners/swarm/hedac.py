@@ -47,12 +47,12 @@ class Hedac(Parameters, Policy):
 
     plans_for: ClassVar[str] = ALL_CELLS
 
-    loss: float = bounded(10.0, least=1e-6)
+    loss: float = bounded(10.0, least=1e-6, tunable=(0.1, 100.0, "log"))
     """Heat that a cell loses relative to the exchange with one neighbour, the paper's alpha; a smaller loss gives the
     field a longer range. 1 was as good as the published 10; .1 and .01 were slower in rooms."""
     sweeps: int = bounded(100, least=1)
     """Most sweeps over the map for a decision; they start from the last field and stop when it has an ascent."""
-    cooling: float = bounded(0.9, least=0, most=1)
+    cooling: float = bounded(0.9, least=0, most=1, tunable=(0.0, 1.0))
     """Share by which a teammate's goal reduces the heat sources in its lidar range, 0 to 1."""
 
     def pilot(self, briefing: Briefing) -> Pilot:

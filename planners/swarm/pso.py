@@ -82,25 +82,25 @@ class Pso(GainParameters, DiscountParameters, GoalBonusParameters, ReplanParamet
     """Particles of the swarm, including the four that start from the initial plans."""
     rounds: int = bounded(30, least=0)
     """Most iterations of the swarm; with 0 and one particle the best initial plan is flown."""
-    length: int = bounded(3, least=1)
+    length: int = bounded(3, least=1, tunable=(1, 5))
     """Goals of a UAV in a plan; the UAV flies to the first one."""
-    power: float = bounded(0.5, least=0)
+    power: float = bounded(0.5, least=0, tunable=(0.1, 1.5))
     """Exponent of the view gain: 1 leaves small pockets behind for larger views, 0 prefers the nearest goal."""
-    trust: float = bounded(0.5, least=0)
+    trust: float = bounded(0.5, least=0, tunable=(0.1, 1.0))
     """Factor for every goal that a UAV visits before, since the map may differ from expectation, 0 to 1."""
-    decay_length: float = bounded(0.5, least=1e-6)
+    decay_length: float = bounded(0.5, least=1e-6, tunable=(0.1, 2.0, "log"))
     """Depth inside unknown space over which the weight of an unknown cell falls to 1 / e, in lidar ranges."""
-    absence: float = bounded(0.5, least=0)
+    absence: float = bounded(0.5, least=0, tunable=(0.0, 1.0))
     """Share of its value that a goal loses if a teammate out of contact was last known closer to it, 0 to 1."""
-    sector: float = bounded(3.0, least=0)
+    sector: float = bounded(3.0, least=0, tunable=(0.0, 6.0))
     """Preference of a UAV alone for its sector while teammates were never heard; see :class:`OutOfContact`."""
     period: float = 0.2
     """Steps after which the group plans again if the map has grown, in lidar ranges."""
     candidates: int = bounded(32, least=1)
     """Most frontier clusters to choose from: the nearest to any UAV of the group."""
-    lookouts: int = bounded(8, least=0)
+    lookouts: int = bounded(8, least=0, tunable=(0, 16))
     """Most other candidates near each UAV, cells with unknown cells in view."""
-    near: int = bounded(6, least=0)
+    near: int = bounded(6, least=0, tunable=(2, 12))
     """Largest distance of these from a UAV, in steps."""
 
     def pilot(self, briefing: Briefing) -> Pilot:

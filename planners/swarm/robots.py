@@ -44,19 +44,19 @@ class PsoRobots(Parameters, Policy):
 
     plans_for: ClassVar[str] = ALL_CELLS
 
-    inertia: float = bounded(0.6, least=0)
+    inertia: float = bounded(0.6, least=0, tunable=(0.0, 1.0))
     """Share of its velocity that a particle keeps in a step."""
-    cognitive: float = bounded(1.0, least=0)
+    cognitive: float = bounded(1.0, least=0, tunable=(0.0, 4.0))
     """Attraction of the nearest frontier."""
-    social: float = bounded(0.5, least=0)
+    social: float = bounded(0.5, least=0, tunable=(0.0, 2.0))
     """Attraction of the best frontier sent in the linked group."""
-    obstacles: float = bounded(0.2, least=0)
+    obstacles: float = bounded(0.2, least=0, tunable=(0.0, 2.0))
     """Repulsion of known obstacles and of the map's edge next to the UAV."""
-    mates: float = bounded(0.5, least=0)
+    mates: float = bounded(0.5, least=0, tunable=(0.0, 2.0))
     """Repulsion of a linked teammate next to the UAV; it falls to 0 at a lidar range."""
-    stagnation: int = bounded(30, least=1)
+    stagnation: int = bounded(30, least=1, tunable=(8, 100, "log"))
     """Steps without new cells after which a particle is split off."""
-    candidates: int = bounded(16, least=1)
+    candidates: int = bounded(16, least=1, tunable=(1, 32))
     """Number of nearest frontier clusters among which a UAV chooses its best one."""
 
     def pilot(self, briefing: Briefing) -> Pilot:

@@ -43,11 +43,11 @@ class Sgba(Parameters, Policy):
 
     plans_for: ClassVar[str] = ALL_CELLS
 
-    near: float = bounded(1.0, least=0)
+    near: float = bounded(1.0, least=0, tunable=(0.0, 4.0))
     """Distance to a linked teammate of lower number at which a UAV changes its bearing, in lidar ranges."""
     finish: bool = True
     """Whether to fly to nearest frontiers in the end; if False, an episode may last to its budget."""
-    patience: float = bounded(4.0, least=0)
+    patience: float = bounded(4.0, least=0, tunable=(1.0, 16.0, "log"))
     """Steps without new cells before that, per cell of the lidar range."""
 
     def pilot(self, briefing: Briefing) -> Pilot:

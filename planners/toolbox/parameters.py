@@ -1,4 +1,4 @@
-"""Parameters of planners: declarations with bounds, and the parameters that planners share, each with one unit.
+"""Parameters of planners: declarations with bounds and ranges, and the shared parameters, each with one unit.
 
 A policy takes the mixins whose parameters it has, and repeats a field where its default is another one.
 """
@@ -11,6 +11,7 @@ from math import inf, isfinite
 from typing import NamedTuple, TypeVar
 
 from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.policies.tunable import TUNABLE, declared_in_fields
 
 T = TypeVar("T")
 
@@ -36,20 +37,23 @@ class Options(tuple[str, ...]):
         return "" if value in self else f"to be one of {', '.join(self)}"
 
 
-def bounded(default: T, least: float, most: float = inf) -> T:
-    """Declare a parameter: a finite number from ``least`` to ``most``."""
-    return field(default=default, metadata={"allowed": Bounds(least, most)})
+#: The ends of a range to tune within, and "log" for a logarithmic scale.
+Range = tuple[float, float] | tuple[float, float, str]
 
 
-def one_of(default: T, options: Sequence[str]) -> T:
-    """Declare a parameter: one of the ``options``."""
-    return field(default=default, metadata={"allowed": Options(options)})
+def bounded(default: T, least: float, most: float = inf, tunable: Range | None = None) -> T:
+    """Declare a parameter: a finite number from ``least`` to ``most``, tuned within the range ``tunable`` if any."""
+    return field(default=default, metadata={"allowed": Bounds(least, most), TUNABLE: tunable})
+
+
+def one_of(default: T, options: Sequence[str], *, tunable: bool = False) -> T:
+    """Declare a parameter: one of the ``options``, among which it is tuned or not."""
+    return field(default=default, metadata={"allowed": Options(options), TUNABLE: list(options) if tunable else None})
 
 
 def declared(kind: type) -> Mapping[str, Bounds | Options]:
     """Return the bounds and options of a class's parameters; a field repeated with a plain default keeps them."""
-    fields = [each for base in reversed(kind.__mro__) for each in vars(base).get("__dataclass_fields__", {}).values()]
-    return {each.name: each.metadata["allowed"] for each in fields if "allowed" in each.metadata}
+    return declared_in_fields(kind, "allowed")
 
 
 class Parameters:
@@ -71,9 +75,9 @@ class Parameters:
 class GainParameters(Parameters):
     """How unknown cells in view are weighed."""
 
-    isolation: float = bounded(8.0, least=0)
+    isolation: float = bounded(8.0, least=0, tunable=(1.0, 64.0, "log"))
     """Additional weight of an unknown cell if all 24 cells around it are known; pockets are finished while near."""
-    decay_length: float = bounded(0.5, least=0.01)
+    decay_length: float = bounded(0.5, least=0.01, tunable=(0.1, 2.0, "log"))
     """Distance from the viewpoint over which the weight of an unknown cell falls to 1 / e, in lidar ranges."""
 
 
@@ -81,7 +85,7 @@ class GainParameters(Parameters):
 class DiscountParameters(Parameters):
     """How gains that take longer to reach are discounted."""
 
-    discount_rate: float = bounded(0.8, least=0)
+    discount_rate: float = bounded(0.8, least=0, tunable=(0.2, 6.0, "log"))
     """Discount rate of view gains: a gain counts gain * exp(-discount_rate * path_length / lidar_range)."""
 
 
@@ -89,7 +93,7 @@ class DiscountParameters(Parameters):
 class ReplanParameters(Parameters):
     """When a UAV chooses again although its goal is still useful."""
 
-    period: float = bounded(0.1, least=0)
+    period: float = bounded(0.1, least=0, tunable=(0.05, 1.0, "log"))
     """Steps after which a UAV chooses again if the map has grown, in lidar ranges."""
 
 
@@ -97,7 +101,7 @@ class ReplanParameters(Parameters):
 class GoalBonusParameters(Parameters):
     """How a UAV keeps its goal where candidates are compared by values."""
 
-    goal_bonus: float = bounded(0.2, least=0)
+    goal_bonus: float = bounded(0.2, least=0, tunable=(0.0, 1.0))
     """Bonus on the value of a candidate at the UAV's current goal, as a share of the value."""
 
 
@@ -105,5 +109,5 @@ class GoalBonusParameters(Parameters):
 class SwitchCostParameters(Parameters):
     """How a UAV keeps its goal where candidates are compared by lengths of flight."""
 
-    switch_cost: float = bounded(0.2, least=0)
+    switch_cost: float = bounded(0.2, least=0, tunable=(0.0, 2.0))
     """Cost that another goal than the current one has to save, in lidar ranges."""

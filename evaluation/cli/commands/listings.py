@@ -35,12 +35,15 @@ def list_policies(options: ListOptions, typed: str) -> int:
     from rich.table import Table
 
     from indoor_explorers.env.policies.registry import opener_entry_points, policy_class, policy_entry_points
+    from indoor_explorers.env.policies.tunable import told, tunable_parameters
     from indoor_explorers.evaluation.cli.parameters import policy_parameters
 
     console = make_console()
     for name in options.names:
         kind = policy_class(name)
         _explain(console, name, kind.__doc__ or "", policy_parameters(kind))
+        if ranges := tunable_parameters(kind):
+            print_line(console, f"Ranges of tune: {told(ranges)}\n")
     if options.names:
         return 0
     table = Table("policy", "what it is", "from", box=None, header_style="bold")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, ThreadPoolExecutor, wait
 from threading import Lock
+from typing import Self
 
 from indoor_explorers.evaluation.harness.engines.supervisor import Supervisor
 from indoor_explorers.evaluation.harness.engines.workload import Jobs, Workload
@@ -30,17 +31,43 @@ def fly_jobs(jobs: Jobs, workers: int, limits: Limits) -> Iterator[list[FlownEpi
         RunError: a worker cannot be started or failed for another reason; records yielded before stay valid.
 
     """
-    if workers == 0:
-        yield from map(fly_job, jobs)
-        return
-    supervisors = [Supervisor(limits) for _ in range(min(workers, len(jobs)))]
-    threads = ThreadPoolExecutor(len(supervisors), "engine")
-    try:
-        yield from _Dispatcher(supervisors, jobs).as_completed(threads)
-    finally:
-        for supervisor in supervisors:
+    with LocalWorkers(min(workers, len(jobs)), limits) as kept:
+        yield from kept(jobs)
+
+
+class LocalWorkers:
+    """Worker processes for several runs in a row, which start when they are first needed; see :func:`fly_jobs`.
+
+    Use as a context manager; 0 workers fly in this process.
+    """
+
+    def __init__(self, workers: int, limits: Limits) -> None:
+        self._supervisors = [Supervisor(limits) for _ in range(workers)]
+
+    def __call__(self, jobs: Jobs) -> Iterator[list[FlownEpisode]]:
+        """Yield the records of each job as it finishes; the processes end if the run is broken off."""
+        if not self._supervisors:
+            yield from map(fly_job, jobs)
+            return
+        threads = ThreadPoolExecutor(len(self._supervisors), "engine")
+        try:
+            yield from _Dispatcher(self._supervisors, jobs).as_completed(threads)
+        except BaseException:
+            self.close()
+            raise
+        finally:
+            threads.shutdown(cancel_futures=True)
+
+    def close(self) -> None:
+        """End the processes."""
+        for supervisor in self._supervisors:
             supervisor.close()
-        threads.shutdown(cancel_futures=True)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.close()
 
 
 class _Dispatcher:

@@ -13,6 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field, field_validator, model_valida
 
 from indoor_explorers.env import InputError, Policy, Scenario, make_policy
 from indoor_explorers.env.policies.renamed import with_present_names
+from indoor_explorers.env.scenarios.seed_sets import SeedUse
 from indoor_explorers.env.scenarios.validation import validated
 
 #: By which share a mean time may exceed another for the two to count as equally good, where nothing else is declared.
@@ -50,6 +51,10 @@ class PolicyChoice(BaseModel):
     """Name in tables and figures; by default the registry name, with a long path in it shortened."""
     parameters: dict[str, Any] = {}
     """Arguments of the policy's constructor."""
+    seen_seeds: dict[SeedUse, list[tuple[int, int]]] | None = None
+    """First and last seed of each range that the parameters were chosen on, by use such as "tuning"."""
+    seen_maps: dict[SeedUse, list[str]] | None = None
+    """The maps that they were chosen on, see :meth:`~indoor_explorers.env.policies.policy.Policy.seen_maps`."""
 
     @model_validator(mode="before")
     @classmethod

@@ -17,6 +17,7 @@ from indoor_explorers.env.policies.renamed import renamed_parameters
 from indoor_explorers.env.scenarios.seed_sets import SeedUse
 from indoor_explorers.env.scenarios.suites.catalogue import digests_of
 from indoor_explorers.env.scenarios.validation import validated
+from indoor_explorers.evaluation.harness.experiment.experiment import PolicyChoice
 from indoor_explorers.evaluation.harness.experiment.sources import outside_files
 
 #: Facts that no provenance may name, besides those that identify a policy.
@@ -102,6 +103,26 @@ def policy_facts(policy: Policy, use: str) -> dict[str, Any]:
     more: dict[str, Any] = {"plans_for": _plans_for(policy), "seen_seeds": _seen_seeds(policy)}
     more |= {"seen_maps": _seen_maps(policy), "map_shape": _map_shape(policy), "renamed": _renamed(policy)}
     return checked_facts(facts | {name: value for name, value in more.items() if value}, use)
+
+
+def with_chosen_on(facts: Mapping[str, Any], choice: PolicyChoice) -> dict[str, Any]:
+    """Return the facts of a policy with the seeds and maps that the parameters of a choice of it were chosen on.
+
+    Raises:
+        InputError: it names a part that no suite has.
+
+    """
+    seeds = {str(use): [list(ends) for ends in each] for use, each in (choice.seen_seeds or {}).items()}
+    maps = {
+        str(use): [digest for name in names for digest in digests_of(name)]
+        for use, names in (choice.seen_maps or {}).items()
+    }
+    seen: dict[str, dict[str, list[Any]]] = {"seen_seeds": {**seeds}, "seen_maps": {**maps}}
+    return {**facts, **{key: _joined(facts.get(key, {}), found) for key, found in seen.items() if found}}
+
+
+def _joined(one: Mapping[str, list[Any]], other: Mapping[str, list[Any]]) -> dict[str, list[Any]]:
+    return {use: [*one.get(use, ()), *other.get(use, ())] for use in dict.fromkeys((*one, *other))}
 
 
 def _map_shape(policy: Policy) -> list[int] | None:

@@ -51,17 +51,17 @@ Candidates = Callable[[View, Distances], tuple[NDArray[np.int32], Mask]]
 class SequenceParameters(GainParameters, DiscountParameters, GoalBonusParameters):
     """Parameters by which a :class:`SequenceChooser` compares candidates."""
 
-    decay_length: float = bounded(0.5, least=1e-6)
+    decay_length: float = bounded(0.5, least=1e-6, tunable=(0.1, 2.0, "log"))
     """Depth inside unknown space over which the weight of an unknown cell falls to 1 / e, in lidar ranges."""
-    power: float = bounded(0.5, least=0)
+    power: float = bounded(0.5, least=0, tunable=(0.1, 1.5))
     """Exponent of the view gain: 1 leaves small pockets behind for larger views, 0 prefers the nearest candidate."""
-    trust: float = bounded(0.5, least=0)
+    trust: float = bounded(0.5, least=0, tunable=(0.1, 1.0))
     """Factor for every candidate that a UAV visits before, since the map may differ from expectation, 0 to 1."""
-    order: float = bounded(1.0, least=0)
+    order: float = bounded(1.0, least=0, tunable=(0.1, 4.0, "log"))
     """Weight of the cost of all clusters, per lidar range, against the logarithm of a sequence's value."""
-    latency: float = bounded(3.0, least=0)
+    latency: float = bounded(3.0, least=0, tunable=(0.3, 30.0, "log"))
     """Weight of the mean waiting time relative to the length in that cost."""
-    certainty: float = bounded(0.5, least=0)
+    certainty: float = bounded(0.5, least=0, tunable=(0.0, 1.0))
     """Share of the view from a linked teammate's second candidate that counts as seen; of its third one, the square."""
     firsts: int = bounded(8, least=1)
     """Number of candidates with the best sequences for which the cost of the rest is computed."""

@@ -51,11 +51,11 @@ class PlaceParameters(GainParameters, DiscountParameters, SwitchCostParameters):
 
     discount_rate: float = 2.4
     """Discount rate of gains per lidar range of distance, in the choice of a cluster's cell."""
-    latency: float = bounded(16.0, least=0)
+    latency: float = bounded(16.0, least=0, tunable=(1.0, 100.0, "log"))
     """Weight of the mean waiting time relative to the length of the order."""
-    worth: float = bounded(0.5, least=0)
+    worth: float = bounded(0.5, least=0, tunable=(0.0, 1.5))
     """Exponent of gains as weights of waiting times; 0 weights all clusters equally."""
-    clusters: int = bounded(12, least=1)
+    clusters: int = bounded(12, least=1, tunable=(4, 24))
     """Largest number of clusters in an order: those with the largest discounted gains."""
 
 

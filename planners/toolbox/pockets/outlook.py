@@ -38,11 +38,11 @@ class EstimateUser:
 class OutlookParameters(Parameters):
     """Parameters of the outlook."""
 
-    skip: float = bounded(0.75, least=0)
+    skip: float = bounded(0.75, least=0, tunable=(0.0, 1.0))
     """Most expected cells of all deferred clusters, as a share of the cells that may stay unknown."""
-    risk: float = bounded(0.1, least=0)
+    risk: float = bounded(0.1, least=0, tunable=(0.01, 0.5, "log"))
     """Largest probability that a deferred cluster hides over a quarter of the cells that may stay unknown."""
-    visit: float = bounded(3.0, least=0)
+    visit: float = bounded(3.0, least=0, tunable=(0.3, 10.0, "log"))
     """Steps that a visit costs besides the path to the cluster, in lidar ranges."""
     near: int = bounded(2, least=0)
     """Steps within which a cluster is never deferred."""
