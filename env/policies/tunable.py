@@ -31,8 +31,9 @@ class Span(NamedTuple):
         return f"{self.low:g} to {self.high:g}" + (" (log)" if self.log else "")
 
     def __contains__(self, value: object) -> bool:
-        number = isinstance(value, int | float) and not isinstance(value, bool)
-        return number and self.low <= value <= self.high and (not self.whole or value == int(value))  # type: ignore[operator, arg-type]
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            return False
+        return self.low <= value <= self.high and (not self.whole or value == int(value))
 
 
 class Choices(tuple[Any, ...]):

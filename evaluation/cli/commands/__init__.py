@@ -42,6 +42,7 @@ COMMANDS = (
     Listed("leaderboard", "rank the policies of result folders by suite and scenario", "leaderboard:LEADERBOARD"),
     Listed("peer dare", "fly policies in the simulator of DARE, run from a clone of it", "peer:DARE"),
     Listed("peer ir2", "fly teams in the simulator of IR2, run from a clone of it", "peer_ir2:IR2"),
+    Listed("tune", "search for better parameters of a policy, and say what they gain", "tuning:TUNE"),
     Listed("train", "train a learner: the DDDQN, or a baseline through another library", "training:TRAIN"),
     Listed("ablate", "train a learner without each of its ingredients, and compare", "training:ABLATE"),
     Listed("scale", "train with more and less experience, width and maps, and compare", "training:SCALE"),

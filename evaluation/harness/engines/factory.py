@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from functools import partial
 
 from indoor_explorers.env import InputError
-from indoor_explorers.evaluation.harness.engines.local import fly_jobs
+from indoor_explorers.evaluation.harness.engines.local import LocalWorkers, fly_jobs
 from indoor_explorers.evaluation.harness.engines.workload import Jobs
 from indoor_explorers.evaluation.harness.episodes.record import FlownEpisode
 from indoor_explorers.evaluation.harness.experiment.limits import DECISION_TIMEOUT, limits_for
@@ -40,6 +40,15 @@ def make_engine(
         raise InputError(f"expected --engine ray with --address {address}, got --engine local; leave one of them out")
     count = (os.cpu_count() or 1) if workers is None else workers
     return partial(fly_jobs, workers=count, limits=limits_for(count, decision_timeout, memory_limit))
+
+
+def kept_engine(workers: int | None = None) -> LocalWorkers:
+    """Return a local engine for several runs in a row, whose worker processes are kept; use as a context manager.
+
+    Workers are one for each core by default.
+    """
+    count = (os.cpu_count() or 1) if workers is None else workers
+    return LocalWorkers(count, limits_for(max(1, count), DECISION_TIMEOUT, None))
 
 
 def _ray_engine(workers: int | None, address: str | None) -> Callable[..., Iterator[list[FlownEpisode]]]:

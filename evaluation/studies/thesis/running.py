@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import base64
 from collections.abc import Mapping, Sequence
 from itertools import product
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from rich.console import Console
 
 from indoor_explorers.env import InputError
-from indoor_explorers.env.files import writable, written_whole
-from indoor_explorers.evaluation.drawing.formatting import percent
+from indoor_explorers.env.files import writable
+from indoor_explorers.evaluation.drawing.study_page import write_study_page
 from indoor_explorers.evaluation.studies.many_trainings import Training, train_all, write_rows
 from indoor_explorers.evaluation.studies.thesis.drawing import write_figures
 from indoor_explorers.evaluation.studies.thesis.experiments import GROUPS, ThesisExperiment, chosen, versions
@@ -32,34 +30,22 @@ FIGURES = {
 
 def write_page(runs: Sequence[Run], config: Any, folder: Path, path: Path) -> None:
     """Write the page with the figures of ``folder``; ``config`` is the class of the learner's settings."""
-    environment = Environment(
-        loader=PackageLoader("indoor_explorers.evaluation.studies.thesis", "."),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters["percent"] = lambda share: percent(share, 0)
-    text = environment.get_template("page.html").render(
+    write_study_page(
+        "indoor_explorers.evaluation.studies.thesis",
+        path,
+        folder,
         experiments=_rows(runs),
         groups=[group for group in GROUPS.items() if any(run.experiment.group == group[0] for run in runs)],
         figures=FIGURES,
-        picture=lambda stem: _embedded(folder / f"{stem}.png"),
         switches=_switches(runs, config),
         facts=runs[0].record,
     )
-    with written_whole(path) as partial:
-        partial.write_text(text, encoding="utf-8", newline="\n")
 
 
 def _rows(runs: Sequence[Run]) -> list[tuple[ThesisExperiment, list[dict[str, Any]]]]:
     """Return the experiments, each once, with the rows of their versions."""
     experiments = list(dict.fromkeys(run.experiment for run in runs))
     return [(one, [run.row() for run in runs if run.experiment == one]) for one in experiments]
-
-
-def _embedded(path: Path) -> str:
-    return "data:image/png;base64," + base64.b64encode(path.read_bytes()).decode("ascii")
 
 
 def _switches(runs: Sequence[Run], config: Any) -> list[tuple[str, Any, str]]:
