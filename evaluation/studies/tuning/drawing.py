@@ -48,8 +48,9 @@ def history_figure(flown: Sequence[Flown], title: str) -> Figure:
     dots: dict[str, Any] = {"linestyle": "", "markersize": 4.5}
     axes.plot([each.number for each in kept], [each.value for each in kept], marker="o", color=COLOURS[0][0], **dots)
     axes.lines[-1].set_label("all episodes")
-    axes.plot([each.number for each in dropped], [each.value for each in dropped], marker="x", color=GREY, **dots)
-    axes.lines[-1].set_label("dropped, as estimated")
+    if dropped:
+        axes.plot([each.number for each in dropped], [each.value for each in dropped], marker="x", color=GREY, **dots)
+        axes.lines[-1].set_label("dropped, as estimated")
     _limit(axes, [each.value for each in kept], [each.value for each in dropped])
     axes.set(xlabel="trial", ylabel=f"{title} / default's")
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
@@ -68,7 +69,7 @@ def _limit(axes: Axes, kept: Sequence[float], dropped: Sequence[float]) -> None:
 
 def importance_figure(importances: Mapping[str, float]) -> Figure:
     """Draw a bar for each parameter, the most important on top."""
-    figure = sheet(5.6, 0.5 + 0.2 * len(importances))
+    figure = sheet(8.4, 0.4 + 0.18 * len(importances))
     axes: Axes = figure.subplots()
     axes.barh(range(len(importances)), list(importances.values()), height=0.62, color=COLOURS[0][0])
     axes.set_yticks(range(len(importances)), [plain(name) for name in importances])

@@ -35,8 +35,8 @@ Tell = Callable[[str], None]
 def run_tuning(request: TuneRequest, command: str, tell: Tell) -> None:
     """Tune a policy; ``tell`` gets a line for each trial, and last the gain on fresh episodes.
 
-    Writes ``tuned.toml``, ``trials.csv``, ``tuning.html``, ``figures/``, the study in ``study.db``, the trials' episodes
-    in ``flights/`` and the comparison on fresh ones in ``fresh/``.
+    Writes ``tuned.toml``, ``trials.csv``, ``tuning.html``, ``figures/``, the study in ``study.db``, its episodes in
+    ``flights/`` and the comparison on fresh ones in ``fresh/``.
 
     Raises:
         InputError: Optuna is missing, something asked for does not exist or fit together, or the folder holds another
