@@ -29,6 +29,7 @@ SHORTER = {
     "watch": ["--steps", "12"],
     "thesis": ["--episodes", "3", "--only", "rewards-1-stuck-0", "--set", "evaluation_episodes=2"],
     "train": ["--set", "total_steps=600"],
+    "tune": ["--trials", "1", "--episodes", "1", "--fresh-episodes", "1", "--workers", "1"],
 }
 
 

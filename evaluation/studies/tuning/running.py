@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from importlib.util import find_spec
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import tomli_w
 
@@ -23,6 +23,7 @@ from indoor_explorers.evaluation.studies.tuning.request import TuneRequest
 
 if TYPE_CHECKING:
     from optuna.study import Study
+    from optuna.trial import FrozenTrial
 
 #: Folder of the comparison on fresh episodes.
 FRESH = "fresh"
@@ -52,20 +53,20 @@ def run_tuning(request: TuneRequest, command: str, tell: Tell) -> None:
         search.claim(request.out)
         with kept_engine(request.workers) as engine:
             study = run_search(search, Flights(search, engine, command), tell)
-        best = study.best_trial
-        gain = _gain(search, best.params, command) if best.number > 0 else None
+        gain = _gain(search, study.best_trial, command) if study.best_trial.number > 0 else None
         _write(search, study, gain, command)
     for line in (f"Page: {request.out / 'tuning.html'}", f"Tuned policy: {request.out / TUNED}"):
         tell(line)
     tell(NONE_BETTER if gain is None else gain.line)
 
 
-def compared(search: Search, best: Mapping[str, Any], experiment: Experiment) -> Experiment:
-    """Return an experiment with the default and the tuned policy."""
-    return experiment.model_copy(update={"policies": (search.space.choice, search.tuned(best))})
+def compared(search: Search, best: FrozenTrial, experiment: Experiment) -> Experiment:
+    """Return an experiment with the default and the tuned policy; with the first alone where no trial was better."""
+    tuned = (search.tuned(best.params),) if best.number > 0 else ()
+    return experiment.model_copy(update={"policies": (search.space.choice, *tuned)})
 
 
-def _gain(search: Search, best: Mapping[str, Any], command: str) -> Gain:
+def _gain(search: Search, best: FrozenTrial, command: str) -> Gain:
     """Fly default and tuned policy on the fresh episodes, and compare them."""
     experiment = compared(search, best, search.fresh)
     request = ComparisonRequest(workers=search.request.workers, ratio_to=(search.space.choice.name,))
@@ -78,13 +79,13 @@ def _write(search: Search, study: Study, gain: Gain | None, command: str) -> Non
 
     out = search.request.out
     with written_whole(out / TUNED) as partial:
-        partial.write_text(tuned_toml(search, study.best_trial.params, command), encoding="utf-8", newline="\n")
+        partial.write_text(tuned_toml(search, study.best_trial, command), encoding="utf-8", newline="\n")
     rows = rows_of(search, study)
     write_rows(out / "trials.csv", list(rows[0]), rows)
     write_page(search, study, gain, out, command)
 
 
-def tuned_toml(search: Search, best: Mapping[str, Any], command: str) -> str:
+def tuned_toml(search: Search, best: FrozenTrial, command: str) -> str:
     """Return the experiment file for ``compare --experiment``: both policies, and the scenarios if not of a suite.
 
     It names no seeds, so that a comparison flies others than the search.

@@ -13,8 +13,8 @@ from indoor_explorers.evaluation.studies.tuning.plan import Search
 from indoor_explorers.evaluation.studies.tuning.search import finished
 from indoor_explorers.evaluation.studies.tuning.sequential import VALUES
 
-#: Fewer trials than this say nothing about importance.
-FEWEST = 10
+#: Fewer trials, or fewer different values of them, say nothing about importance.
+FEWEST, DIFFERENT = 10, 4
 
 
 class Flown(NamedTuple):
@@ -53,7 +53,7 @@ def importances(search: Search, study: optuna.Study) -> dict[str, float]:
     Dropped trials count with their estimates.
     """
     flown = flown_trials(search, study)
-    if len(flown) < FEWEST or len({each.value for each in flown}) < FEWEST or len(search.space.ranges) < 2:
+    if len(flown) < FEWEST or len({each.value for each in flown}) < DIFFERENT or len(search.space.ranges) < 2:
         return {}
     whole = optuna.create_study(direction=study.direction)
     for trial, each in zip(finished(study), flown, strict=True):
