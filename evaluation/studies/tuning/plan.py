@@ -136,7 +136,7 @@ class Search:
             raise InputError(f"{out}: holds another search, with other {differing}; choose another --out")
 
     def _record(self) -> dict[str, Any]:
-        """Return all that makes the search what it is; workers and folders of data are not part of it."""
+        """Return all that makes the search what it is; the number of workers is not part of it."""
         space, request = self.space, self.request
         return {
             "policy": {"use": space.choice.use, "parameters": dict(space.choice.parameters)},

@@ -30,6 +30,19 @@ def test_a_trial_as_good_as_the_best_is_dropped_with_the_stated_probability(draw
     assert dropped > 0  # it is not merely never dropped
 
 
+def test_what_the_test_does_not_assume_makes_it_wrong_less_often_than_the_guide_says():
+    rng = np.random.default_rng(7)
+    rarely_better = [dropped_after(1 - rng.exponential(size=32)) > 0 for _ in range(300)]
+    assert LEVEL < np.mean(rarely_better) < 0.2
+    dropped = []
+    for _ in range(10):
+        best = rng.normal(size=32)
+        for flown in rng.normal(size=(40, 32)):
+            dropped.append(dropped_after(flown - best) > 0)
+            best = flown if not dropped[-1] and flown.mean() < best.mean() else best
+    assert LEVEL < np.mean(dropped) < 0.2
+
+
 def test_clearly_worse_trials_are_dropped_at_the_first_look_and_better_ones_never():
     rng = np.random.default_rng(6)
     apart = rng.normal(size=(60, 32))
