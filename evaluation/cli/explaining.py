@@ -7,18 +7,14 @@ from collections.abc import Sequence
 from rich.console import Console
 from rich.table import Table
 
-from indoor_explorers.env import Explanation, InputError, Pilot, World
-from indoor_explorers.env.errors import RunError
+from indoor_explorers.env import Explanation, InputError
 from indoor_explorers.env.grid.arrays import Cell
-from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
-from indoor_explorers.env.simulation.spawns import draw_floorplan
+from indoor_explorers.evaluation.harness.episodes.flight import SILENT, Flight, first_flight
 from indoor_explorers.evaluation.harness.experiment.experiment import Experiment
 
 
-def explained(experiment: Experiment, step: int) -> tuple[World, list[Pilot]]:
-    """Fly the first episode of an experiment with its policy, for at most ``step`` steps; return world and pilots.
-
-    The pilots have decided on the action that leads to the world's present step.
+def explained(experiment: Experiment, step: int) -> Flight:
+    """Fly the first episode of an experiment with its policy, for at most ``step`` steps, and return the flight.
 
     Raises:
         InputError: the experiment has several scenarios or policies.
@@ -30,27 +26,19 @@ def explained(experiment: Experiment, step: int) -> tuple[World, list[Pilot]]:
             f"expected one policy and one scenario to explain, got {len(experiment.policies)} and "
             f"{len(experiment.scenarios)}; give one of each"
         )
-    scenario, policy = experiment.scenarios[0], experiment.policies[0].make()
-    world = World(scenario)
-    world.begin(0, experiment.seed, floorplan=draw_floorplan(scenario, experiment.seed))
-    try:
-        pilots = make_pilots(policy, world)
-        for pilot in pilots.values():
-            pilot.explaining = True
-        for _ in rollout(world, ask_pilots(policy, pilots, world)):
-            if int(world.state.step[0]) >= step:
-                break
-    except Exception as error:
-        raise RunError(f"policy failed at step {world.state.step[0]}: {type(error).__name__}: {error}") from error
-    return world, [pilots[0, agent] for agent in range(scenario.team)]
+    flight = first_flight(experiment, 0, explaining=True)
+    for _ in flight.steps():
+        if flight.step >= step:
+            break
+    return flight
 
 
-def print_explanations(world: World, pilots: Sequence[Pilot], agents: Sequence[int], console: Console) -> None:
+def print_explanations(flight: Flight, agents: Sequence[int], console: Console) -> None:
     """Print why each of some UAVs made its last move."""
-    step = int(world.state.step[0])
     for agent in agents:
-        told, cell = pilots[agent].explain(), cell_text(world.state.believed_cell[0, agent].tolist())
-        console.print(f"UAV {agent}, step {step}, in {cell}: {summary(told)}", highlight=False, soft_wrap=True)
+        told = flight.pilots[agent].explain()
+        cell = cell_text(flight.world.state.believed_cell[0, agent].tolist())
+        console.print(f"UAV {agent}, step {flight.step}, in {cell}: {summary(told)}", highlight=False, soft_wrap=True)
         if told is not None and told.candidates:
             console.print(f"  among {len(told.candidates)}, by {told.score}:", highlight=False, soft_wrap=True)
             console.print(candidates_table(told))
@@ -67,7 +55,7 @@ def cell_text(cell: Sequence[int] | Cell) -> str:
 def summary(told: Explanation | None) -> str:
     """Return the sentence about an explanation."""
     if told is None:
-        return "this policy does not explain its actions"
+        return SILENT
     way = "" if len(told.path) < 2 else f", {len(told.path) - 1} steps away"
     goal = "no goal" if told.goal is None else f"flies to {cell_text(told.goal)}{way}, chosen at step {told.step}"
     return f"{goal}; {told.note}" if told.note else goal

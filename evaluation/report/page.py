@@ -37,6 +37,7 @@ from indoor_explorers.evaluation.harness.results.origin_ratios import ratios_by_
 from indoor_explorers.evaluation.harness.results.ratios import Ratios
 from indoor_explorers.evaluation.harness.results.results import Results
 from indoor_explorers.evaluation.report.custom_panels import custom_panels
+from indoor_explorers.evaluation.report.replay.explanations import Explaining
 from indoor_explorers.evaluation.report.sections import TaskSummary, section_of
 from indoor_explorers.evaluation.report.summary.definitions import definitions
 from indoor_explorers.evaluation.report.summary.overview import overview
@@ -58,6 +59,7 @@ def write_report(
     replays: int | None = None,
     ratio_to: Sequence[str] | None = None,
     panels: Sequence[str] = (),
+    explanations: float | None = None,
     whole: bool = False,
 ) -> None:
     """Write an HTML file that shows ``results`` and needs no network.
@@ -68,9 +70,11 @@ def write_report(
     ``against`` adds what changed since other results. ``replays`` is the number of episodes to embed for each scenario;
     by default as many as keep the page under 10 MB. ``ratio_to`` names the baselines of the ratios of steps, see
     :func:`~indoor_explorers.evaluation.harness.experiment.selection.chosen_baselines`. ``panels`` names plug-ins, see
-    :mod:`indoor_explorers.evaluation.report.custom_panels`.
+    :mod:`indoor_explorers.evaluation.report.custom_panels`. ``explanations`` are the seconds for which embedded
+    episodes thought, together, that are flown again to explain them; by default few, see
+    :class:`~indoor_explorers.evaluation.report.replay.explanations.Explaining`.
     """
-    page = _Page(results, title, against, replays, ratio_to, panels)
+    page = _Page(results, title, against, replays, ratio_to, panels, explanations)
     path.parent.mkdir(parents=True, exist_ok=True)
     parts = {} if whole or page.size <= WHOLE else dict(page.parts(f"{path.stem}{BESIDE}"))
     for name, text in parts.items():
@@ -103,9 +107,10 @@ def render(
     replays: int | None = None,
     ratio_to: Sequence[str] | None = None,
     panels: Sequence[str] = (),
+    explanations: float | None = None,
 ) -> str:
     """Return the page, in one piece, as text; for its arguments see :func:`write_report`."""
-    return _Page(results, title, against, replays, ratio_to, panels).text()
+    return _Page(results, title, against, replays, ratio_to, panels, explanations).text()
 
 
 class _Page:
@@ -119,6 +124,7 @@ class _Page:
         replays: int | None,
         ratio_to: Sequence[str] | None,
         panels: Sequence[str],
+        explanations: float | None,
     ) -> None:
         ratios = Ratios.of(results, ratio_to)
         common, styles = results.on_common_tasks, policy_styles(results.policies)
@@ -139,12 +145,12 @@ class _Page:
             "provenance": provenance(results),
             "reported": results.reported,
         }
-        several = len(comparisons) > 1
+        several, explaining = len(comparisons) > 1, Explaining(results, explanations)
         template = _environment().get_template("scenario.html")
         self._stubs: list[_Stub] = []
         self._bodies: list[Markup] = []
         for section_id, comparison in comparisons.items():
-            section = section_of(comparison, section_id, styles, replays)
+            section = section_of(comparison, section_id, styles, replays, explaining)
             self._stubs.append(_Stub(section_id, section.name, section.task, section.headline))
             self._bodies.append(Markup(template.render(self._shown, section=section, several=several)))
 

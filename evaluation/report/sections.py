@@ -41,6 +41,7 @@ from indoor_explorers.evaluation.harness.results.results import Results
 from indoor_explorers.evaluation.report.charts.interactive import WHO, chart_data, coverage_scopes, times_data
 from indoor_explorers.evaluation.report.charts.reported_bars import reported_bars
 from indoor_explorers.evaluation.report.charts.small_multiples import SmallMultiples, map_multiples
+from indoor_explorers.evaluation.report.replay.explanations import Explaining
 from indoor_explorers.evaluation.report.replay.selection import replay_data
 from indoor_explorers.evaluation.statistics import FEWEST, Estimate
 
@@ -146,8 +147,10 @@ class Section:
     """None where nothing is reported."""
 
 
-def section_of(comparison: Comparison, section_id: str, styles: Styles, replays: int | None = None) -> Section:
-    """Return the data of a scenario, with this number of ``replays``, or as many as fit."""
+def section_of(
+    comparison: Comparison, section_id: str, styles: Styles, replays: int | None, explaining: Explaining
+) -> Section:
+    """Return the data of a scenario, with this number of ``replays``, or as many as fit, and their explanations."""
     limit, tables = REPLAY_BYTES // len(comparison.results.scenarios), _tables(comparison, styles)
     return Section(
         id=section_id,
@@ -160,7 +163,7 @@ def section_of(comparison: Comparison, section_id: str, styles: Styles, replays:
         tables=tables,
         panels=scenario_panels(comparison, styles),
         failures=failed_or_ended(comparison.records),
-        replay=replay_data(comparison, styles, limit, replays) if comparison.records else None,
+        replay=replay_data(comparison, styles, limit, replays, explaining) if comparison.records else None,
         not_simulated=refusal(comparison.results.scenarios[comparison.scenario], comparison.results.plugins, MODELS),
         reported=_reported(comparison, section_id, tables.columns, styles) if comparison.results.reported else None,
     )

@@ -28,9 +28,8 @@ def run_explain(options: ExplainOptions, typed: str) -> int:
     team = experiment.scenarios[0].team
     if options.agent is not None and not 0 <= options.agent < team:
         raise InputError(f"expected --agent from 0 to {team - 1}, got {options.agent}")
-    world, pilots = explained(experiment, options.step)
-    agents = range(team) if options.agent is None else [options.agent]
-    print_explanations(world, pilots, agents, make_console())
+    flight = explained(experiment, options.step)
+    print_explanations(flight, range(team) if options.agent is None else [options.agent], make_console())
     return 0
 
 

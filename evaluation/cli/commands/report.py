@@ -15,6 +15,7 @@ from indoor_explorers.evaluation.harness.experiment.request import (
     Option,
     Request,
     read_natural,
+    read_thinking,
 )
 
 
@@ -35,6 +36,9 @@ class ReportOptions(Request):
     compare, 0.05); 0 for no such statement."""
     replays: Annotated[int | None, Option(metavar="N", read=read_natural)] = None
     """Embed replays of N episodes of each scenario (default: as many as keep the page under 10 MB)."""
+    explanations: Annotated[float | None, Option(metavar="SECONDS", read=read_thinking)] = None
+    """Fly embedded episodes again for which policies thought up to this long together, so that the page explains them
+    (default 2, of the episode with which each scenario opens; 0 for none)."""
     metrics: Annotated[tuple[str, ...], PLUGIN_NAMES] = ()
     """Metrics of plug-ins to add: installed names, or module:NAME."""
     panels: Annotated[tuple[str, ...], PLUGIN_NAMES] = ()
@@ -83,6 +87,7 @@ def run_report(options: ReportOptions, typed: str) -> int:
             replays=options.replays,
             ratio_to=options.ratio_to,
             panels=options.panels,
+            explanations=options.explanations,
         )
         if options.exports is not None:
             from indoor_explorers.evaluation.exports import write_exports

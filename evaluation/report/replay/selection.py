@@ -18,6 +18,7 @@ from indoor_explorers.evaluation.harness.episodes.record import Outcome
 from indoor_explorers.evaluation.harness.episodes.stored_names import MODELS, refusal
 from indoor_explorers.evaluation.harness.experiment.experiment import Task
 from indoor_explorers.evaluation.report.packing import bits, text
+from indoor_explorers.evaluation.report.replay.explanations import Explaining, size_of
 from indoor_explorers.evaluation.report.replay.packed_episode import ReplayEpisode, pack_episode, resimulated
 
 
@@ -41,7 +42,13 @@ class Pick(NamedTuple):
     task: Task
 
 
-def replay_data(comparison: Comparison, styles: Styles, limit: int, count: int | None = None) -> dict[str, Any] | None:
+def replay_data(
+    comparison: Comparison,
+    styles: Styles,
+    limit: int,
+    count: int | None = None,
+    explaining: Explaining | None = None,
+) -> dict[str, Any] | None:
     """Return the replays of a scenario as JSON data, None when there are none.
 
     Args:
@@ -49,17 +56,20 @@ def replay_data(comparison: Comparison, styles: Styles, limit: int, count: int |
         styles: the look of each policy.
         limit: approximate limit in bytes; the most interesting episodes come first.
         count: replay this number of episodes instead, whatever their size.
+        explaining: explains them, see :mod:`~.explanations`; none by default.
 
     A scenario with a model from outside this package that the user did not name has none.
     """
     settings = comparison.results.scenarios[comparison.scenario]
     if refusal(settings, comparison.results.plugins, MODELS):
         return None
+    explaining = explaining or Explaining(comparison.results, 0.0)
     if count is None:
-        episodes = list(_fitting(comparison, limit))
+        episodes = list(_fitting(comparison, limit, explaining))
     else:
         picks = chosen(comparison, everything=True)[:count]
-        episodes = [episode for pick in picks if (episode := _episode(comparison, pick, inf, inf)) is not None]
+        found = (_episode(comparison, pick, inf, inf, explaining) for pick in picks)
+        episodes = [episode for episode in found if episode is not None]
     if not episodes:
         return None
     far, scenario = far_behind(comparison), comparison.results.scenario(comparison.scenario)
@@ -81,17 +91,17 @@ def replay_data(comparison: Comparison, styles: Styles, limit: int, count: int |
     }
 
 
-def _fitting(comparison: Comparison, limit: int) -> Iterator[dict[str, Any]]:
+def _fitting(comparison: Comparison, limit: int, explaining: Explaining) -> Iterator[dict[str, Any]]:
     """Yield episodes as long as they fit; the notable ones share the bytes evenly."""
     notable = len(notable_tasks(comparison))
     left = limit
     for place, pick in enumerate(chosen(comparison)):
         share = left // max(1, notable - place)
-        episode = _episode(comparison, pick, share, left)
+        episode = _episode(comparison, pick, share, left, explaining)
         if episode is None:
             return
         yield episode
-        left -= sum(len(flight["stream"]) for flight in episode["flights"])
+        left -= sum(len(flight["stream"]) + size_of(flight["why"]) for flight in episode["flights"])
 
 
 def chosen(comparison: Comparison, *, everything: bool = False) -> list[Pick]:
@@ -136,7 +146,9 @@ def _by_lateness(comparison: Comparison) -> list[Task]:
     return sorted(common, key=lambda task: (*(sum(parts) / most for parts in zip(*flown[task], strict=True)), task))
 
 
-def _episode(comparison: Comparison, pick: Pick, share: float, left: float) -> dict[str, Any] | None:
+def _episode(
+    comparison: Comparison, pick: Pick, share: float, left: float, explaining: Explaining
+) -> dict[str, Any] | None:
     """Return one task's replay in the finest detail that its share of bytes allows.
 
     If even the coarsest is too large, it may use all bytes left, without the lowest ranked policies if necessary.
@@ -175,7 +187,8 @@ def _episode(comparison: Comparison, pick: Pick, share: float, left: float) -> d
         "own": detail.own,
         "revised": scenario.uncertain,
         "flights": [
-            _flight(comparison, flight, stream) for flight, stream in zip(flights[:fits], streams[:fits], strict=True)
+            _flight(comparison, flight, stream) | {"why": explaining.told(flight.record)}
+            for flight, stream in zip(flights[:fits], streams[:fits], strict=True)
         ],
     }
 

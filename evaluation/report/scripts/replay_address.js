@@ -1,7 +1,8 @@
 const viewers = new Map();
 /* Opens a replay at a step: from the address, openReplay(), or elements with a data-replay attribute. */
 const Address = {
-  /* Read ``replay=s1;task=0,7;step=57;panels=pso,dddqn;map=uav-1;layers=truth,trails``; unknown parts are left out. */
+  /* Read ``replay=s1;task=0,7;step=57;panels=pso,dddqn;map=uav-1;layers=truth,trails;why=pso,1``, which explains UAV 1
+     of pso; unknown parts are left out. */
   read(hash) {
     const found = {};
     for (const part of hash.replace(/^#/, "").split(";")) {
@@ -17,6 +18,7 @@ const Address = {
       panels: found.panels || null,
       map: found.map ? this.mapNamed(found.map[0]) : null,
       layers: found.layers || null,
+      why: found.why?.length === 2 && whole(found.why[1]) !== null ? found.why : null,
     };
   },
 
@@ -38,6 +40,7 @@ const Address = {
       replay: replay.section, task: replay.episode.task.join(","), step: replay.step, panels: names.join(","),
       map: /^\d+$/.test(replay.map) ? `uav-${replay.map}` : replay.map, layers: replay.shownLayers.join(","),
     };
+    if (replay.why.address) parts.why = replay.why.address;
     const theme = location.hash.slice(1).split(";").filter((part) => part === "dark" || part === "light");
     return `#${[...Object.entries(parts).map((part) => part.join("=")), ...theme].join(";")}`;
   },

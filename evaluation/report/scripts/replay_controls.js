@@ -21,11 +21,12 @@ class Controls {
     this.replay = replay;
     this.timeline = new Timeline(replay);
     this.grid = element("div", { className: "panels" });
+    this.stage = element("div", { className: "stage" }, this.grid, replay.why.box);
     this.note = element("p", { className: "said", role: "status" });
     this.spoken = element("p", { className: "unseen", ariaLive: "polite" });
     this.pockets = element("p", { className: "pockets", hidden: true }, POCKETS);
     const deck = element("div", { className: "deck" }, this.timeline.box, this.transport());
-    replay.box.append(this.choices(), this.note, this.grid, this.pockets, deck, this.spoken);
+    replay.box.append(this.choices(), this.note, this.stage, this.pockets, deck, this.spoken);
   }
 
   choices() {
@@ -116,7 +117,7 @@ class Controls {
   }
 
   speak() {
-    const { step, panels, fresh } = this.replay;
-    if (!fresh) this.spoken.textContent = `Step ${step}. ${panels.map((panel) => panel.summary).join("; ")}`;
+    const { step, panels, fresh, why } = this.replay;
+    if (!fresh) this.spoken.textContent = `Step ${step}. ${panels.map((panel) => panel.summary).join("; ")}${why.summary}`;
   }
 }

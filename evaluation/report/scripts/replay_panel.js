@@ -27,10 +27,12 @@ class Panel {
     this.spent = element("span", { className: "spent" });
     this.end = element("span", { className: "end" });
     this.twins = element("small", { className: "twins" });
+    this.whys = element("div", { className: "whys", role: "group" });
+    this.canvas.addEventListener("click", (event) => this.pick(event));
     this.box = element("div", { className: "panel" },
       element("div", { className: "head" }, this.chip, this.choice),
       element("div", { className: "window" }, this.canvas),
-      element("div", { className: "readout" }, this.covered, this.end, this.spent), this.twins);
+      element("div", { className: "readout" }, this.covered, this.end, this.spent), this.whys, this.twins);
   }
 
   get policy() { return this.replay.data.policies[this.flight.policy]; }
@@ -42,7 +44,31 @@ class Panel {
     this.choice.value = String(flight.policy);
     this.box.dataset.policy = this.policy.name;
     const others = flights.filter((each) => each.same === flight.policy).map((each) => this.replay.data.policies[each.policy].name);
+    this.offer();
     this.twins.textContent = others.length ? `same flights: ${others.join(", ")}` : "";
+  }
+
+  /* A button for each UAV, to explain it. */
+  offer() {
+    const { flight, policy } = this, alone = flight.team === 1;
+    this.whys.setAttribute("aria-label", `Explain a UAV of ${policy.name}`);
+    this.asks = Array.from({ length: flight.team }, (_, uav) => {
+      const title = `Explain where UAV ${uav} of ${policy.name} flies`;
+      return button(alone ? "Explain" : String(uav), title, () => this.replay.why.choose({ policy: flight.policy, uav }));
+    });
+    this.whys.replaceChildren(...(alone ? [] : [element("span", { textContent: "Explain UAV" })]), ...this.asks);
+  }
+
+  /* Explain the UAV that was clicked at, or tapped near. */
+  pick(event) {
+    if (!this.marks) return;
+    const shrunk = this.canvas.width / this.canvas.clientWidth, near = Math.max(1.5 * this.marks.radius, 16 * shrunk);
+    const away = this.asks.map((_, uav) => {
+      const [x, y] = this.marks.at(uav);
+      return Math.hypot(x - event.offsetX * shrunk, y - event.offsetY * shrunk);
+    });
+    const uav = away.indexOf(Math.min(...away));
+    if (away[uav] <= near) this.replay.why.choose({ policy: this.flight.policy, uav });
   }
 
   nameOf({ policy, same }) {
@@ -68,12 +94,15 @@ class Panel {
     paintCells(this.sheet, episode, this.flight.maps[map].at(now), this.flight.wrong.at(now), now, layers, inks);
     pen.imageSmoothingEnabled = false;
     pen.drawImage(this.sheet, 0, 0, this.canvas.width, this.canvas.height);
-    const marks = new Marks(pen, this.flight, episode.base, now, scale, ratio, inks);
+    const marks = this.marks = new Marks(pen, this.flight, episode.base, now, scale, ratio, inks);
+    const { why } = this.replay, told = why.toldOn(this, now);
     if (layers.has("lidar")) marks.lidar(data.range);
     if (layers.has("trails")) marks.trails();
     if (layers.has("links")) marks.links();
     marks.pad();
+    if (told) markTold(marks, why.chosen.uav, told, episode.width);
     marks.team(map);
+    this.asks.forEach((ask, uav) => ask.setAttribute("aria-pressed", String(why.isChosen(this.flight.policy, uav))));
     this.drawChip();
     this.read(now);
   }
@@ -91,6 +120,7 @@ class Panel {
     this.end.textContent = (over ? flight.end : "flying") + (stopped ? ` · ${stopped} of ${flight.team} stopped` : "");
     this.end.title = over ? flight.end : "";
     this.canvas.setAttribute("aria-label", `Map at step ${flight.steps[now]} of ${this.policy.name}`);
+    this.canvas.title = "Click a UAV to see why it flies where it does";
   }
 
   get summary() { return `${this.policy.name}: ${this.covered.textContent}, ${this.end.textContent}`; }

@@ -16,13 +16,14 @@ class Replay {
     this.playing = false;
     this.wanted = [];
     this.count = narrow() ? 1 : MOST_PANELS;
+    this.why = new Why(this);
     this.controls = new Controls(this);
     this.open(0);
     box.addEventListener("keydown", (event) => this.key(event));
     Theme.listeners.push(() => { this.inks = new Inks(); this.draw(); });
     new ResizeObserver(() => {
-      if (this.controls.grid.clientWidth !== this.room) this.arrange();
-    }).observe(this.controls.grid);
+      if (this.controls.stage.clientWidth !== this.room) this.arrange();
+    }).observe(this.controls.stage);
   }
 
   /* Show an episode where its flights differ most; playing starts from its beginning. */
@@ -109,7 +110,7 @@ class Replay {
      as wide as their column, whatever their scale. */
   arrange() {
     const ratio = window.devicePixelRatio || 1, { width, height } = this.episode, panels = this.panels.length;
-    const room = this.room = this.controls.grid.clientWidth, gap = 18;
+    const room = this.room = this.controls.stage.clientWidth, gap = 18;
     const screen = Math.min(1000, Math.max(480, window.innerHeight - 250));
     const even = Array.from({ length: panels }, (_, k) => panels - k).filter((columns) => panels % columns === 0);
     const options = even.map((columns) => {
@@ -122,6 +123,7 @@ class Replay {
     this.most = narrow() ? Math.min(best.wide, best.tallest * width / height) : Infinity;
     this.scale = narrow() ? Math.ceil(this.most / width * ratio) : Math.max(1, best.scale);
     const taken = Math.min(best.wide, Math.max(210, this.scale * width / ratio + 2));
+    this.controls.grid.style.width = `${best.columns * taken + gap * (best.columns - 1)}px`;
     this.controls.grid.style.gridTemplateColumns = `repeat(${best.columns}, minmax(0, ${taken}px))`;
     this.draw();
   }
@@ -146,6 +148,7 @@ class Replay {
     this.frame = Math.min(this.frame, this.last);
     const ratio = window.devicePixelRatio || 1;
     for (const panel of this.panels) panel.draw(this.frame, this.scale, ratio);
+    this.why.draw(this.frame);
     this.controls.timeline.draw();
     this.controls.drawn();
   }
@@ -175,14 +178,15 @@ class Replay {
 
   key(event) {
     const { tagName, type } = event.target;
-    if (["SELECT", "BUTTON"].includes(tagName) || event.ctrlKey || event.metaKey || event.altKey) return;
-    if (type === "checkbox" && event.key === " ") return;
+    if (tagName === "SELECT" || event.ctrlKey || event.metaKey || event.altKey) return;
+    if ((tagName === "BUTTON" || type === "checkbox") && event.key === " ") return;
     const jump = event.shiftKey ? 10 : 1;
     const moves = {
       ArrowLeft: this.frame - jump, ArrowRight: this.frame + jump, Home: 0, End: this.last,
       PageDown: this.frame - 10, PageUp: this.frame + 10,
     };
     if (event.key === " ") this.play(!this.playing);
+    else if (event.key === "Escape" && this.why.panel) this.why.choose(null);
     else if (event.key in moves) this.seek(moves[event.key]);
     else return;
     event.preventDefault();
@@ -217,11 +221,13 @@ class Replay {
   }
 
   /* Open what an address names. */
-  restore({ task, step, panels, map, layers }) {
+  restore({ task, step, panels, map, layers, why }) {
     const named = (panels || []).map((name) => this.data.policies.findIndex((policy) => policy.name === name));
     const policies = [...new Set(named.filter((policy) => policy >= 0))].slice(0, MOST_PANELS);
     if (policies.length) [this.wanted, this.count] = [policies, policies.length];
     if (map !== null) this.map = map;
+    const explained = why ? this.data.policies.findIndex((policy) => policy.name === why[0]) : -1;
+    this.why.chosen = explained >= 0 ? { policy: explained, uav: Number(why[1]) } : null;
     if (layers) this.layers = new Set(LAYERS.map(([name]) => name).filter((name) => layers.includes(name)));
     this.open(this.find(task));
     if (step !== null) this.go(this.frameOf(step));

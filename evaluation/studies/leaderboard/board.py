@@ -16,7 +16,7 @@ from indoor_explorers.evaluation.harness.reported.rows import joined
 from indoor_explorers.evaluation.harness.results.combine import combined, scenario_difference
 from indoor_explorers.evaluation.harness.results.ratios import RatioRow, Ratios
 from indoor_explorers.evaluation.harness.results.results import Results
-from indoor_explorers.evaluation.studies.leaderboard.verifying import unmade_policies
+from indoor_explorers.evaluation.harness.results.stored_policy import unmade_policies
 
 #: Results with the name of their folder.
 Part = tuple[str, Results]

@@ -6,15 +6,13 @@ Code from outside this package that the results name is imported only if the use
 from __future__ import annotations
 
 import os
-import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from indoor_explorers.env import InputError, Scenario
+from indoor_explorers.env import Scenario
 from indoor_explorers.env.maps.base import MapReader
-from indoor_explorers.env.maps.sources import map_class
 from indoor_explorers.env.policies.registry import is_own_policy
 from indoor_explorers.env.scenarios.validation import validated
 from indoor_explorers.env.simulation.spawns import draw_floorplan
@@ -22,11 +20,16 @@ from indoor_explorers.evaluation.harness.engines.factory import make_engine
 from indoor_explorers.evaluation.harness.engines.loading import PolicyLoader
 from indoor_explorers.evaluation.harness.episodes.mismatch import mismatch
 from indoor_explorers.evaluation.harness.episodes.record import Record
-from indoor_explorers.evaluation.harness.episodes.stored_names import policy_refusal, refusal
+from indoor_explorers.evaluation.harness.episodes.stored_names import refusal
 from indoor_explorers.evaluation.harness.experiment.experiment import Job, PolicyChoice, episode_name
 from indoor_explorers.evaluation.harness.experiment.limits import DECISION_TIMEOUT, limits_for
 from indoor_explorers.evaluation.harness.results.policy_version import differing_fields, version_difference
 from indoor_explorers.evaluation.harness.results.results import Results
+from indoor_explorers.evaluation.harness.results.stored_policy import (
+    policy_entries,
+    unmade_policies,
+    whole_scenario,
+)
 
 #: Episodes for which another worker process is started.
 TASKS_EACH = 20
@@ -55,12 +58,6 @@ def mismatches(results: Results) -> Iterator[str]:
             yield f"{episode_name(record.policy, record.task)}: {fault}"
 
 
-def unmade_policies(results: Results) -> dict[str, str]:
-    """Return why policies are not made here, by name: code from outside that the user did not name."""
-    refused = {name: policy_refusal(entry, results.plugins) for name, entry in _entries(results.experiments).items()}
-    return {name: why for name in results.policies if (why := refused.get(name, "no run tells how it was made"))}
-
-
 def made_again(results: Results) -> dict[str, Made]:
     """Make the policies as the stored experiment says, those from outside this package in processes of their own.
 
@@ -70,7 +67,7 @@ def made_again(results: Results) -> dict[str, Made]:
         InputError: one cannot be imported or made.
 
     """
-    entries, unmade = _entries(results.experiments), unmade_policies(results)
+    entries, unmade = policy_entries(results), unmade_policies(results)
     choices = [validated(PolicyChoice, entries[name], "policy") for name in results.policies if name not in unmade]
     with PolicyLoader(limits_for(1, DECISION_TIMEOUT, None)) as loader:
         facts = loader.facts(choices)
@@ -124,28 +121,10 @@ def _job(scenario: Scenario, records: Sequence[Record], made: Made, count: int) 
     return Job(made.choice, scenario, tasks, bounds, isolated, isolated and made.facts["privileged"])
 
 
-def _entries(experiments: Sequence[str]) -> dict[str, dict[str, Any]]:
-    """Return how policies were made by name, from experiments in TOML."""
-    return {entry["name"]: entry for text in experiments for entry in tomllib.loads(text)["policies"]}
-
-
 def _scenarios(results: Results) -> dict[str, Scenario]:
     """Return the stored scenarios by name, but for those that name code which the user did not."""
     known = [name for name, settings in results.scenarios.items() if not refusal(settings, results.plugins)]
-    return {name: _whole_scenario(results, name) for name in known}
-
-
-def _whole_scenario(results: Results, name: str) -> Scenario:
-    """Return a stored scenario with its maps; files are those that were flown on, and are not read."""
-    stored = results.scenarios[name]["map"]
-    kind = map_class(stored["source"])
-    if kind is None:
-        raise InputError(f"scenario {name!r}: unknown source of maps {stored['source']!r}")
-    maps = validated(kind, {key: value for key, value in stored.items() if key in kind.model_fields}, name)
-    if isinstance(maps, MapReader):
-        flown = {record.task.map_index: record.floorplan for record in results.records if record.task.scenario == name}
-        maps = maps.holding(flown)
-    return results.scenario(name).model_copy(update={"map": maps})
+    return {name: whole_scenario(results, name) for name in known}
 
 
 def _is_another_map(record: Record, scenario: Scenario) -> bool:
