@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
@@ -15,6 +15,8 @@ from indoor_explorers.env.policies.view import View
 
 #: Most candidates of an explanation: the best ones.
 MOST = 12
+#: What is said of a policy whose pilots explain nothing.
+SILENT = "this policy does not explain its actions"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,6 +49,21 @@ class Explanation:
     """The cells to which it supposes that its teammates fly, by their numbers."""
     note: str = ""
     """What else there is to say, such as who chose instead of the rule; empty for nothing."""
+
+
+def cell_text(cell: Sequence[int]) -> str:
+    """Return a cell as text: its row and column."""
+    return f"({cell[0]}, {cell[1]})"
+
+
+def sentence(told: Explanation | None) -> str:
+    """Return what an explanation says of the goal, and its note."""
+    if told is None:
+        return SILENT
+    steps = len(told.path) - 1
+    way = "" if steps < 1 else f", {steps} step{'s' * (steps > 1)} away"
+    goal = "no goal" if told.goal is None else f"flies to {cell_text(told.goal)}{way}, chosen at step {told.step}"
+    return f"{goal}; {told.note}" if told.note else goal
 
 
 def ranked(

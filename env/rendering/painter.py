@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import Mask
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.rendering import overlays
+from indoor_explorers.env.rendering.explained import mark, with_words
 from indoor_explorers.env.rendering.layout import CAPTION, FOOTER, MARGIN, Box, FrameLayout, layout_of
 from indoor_explorers.env.rendering.overlays import OVERHANG, Chart
 from indoor_explorers.env.rendering.palette import (
@@ -48,7 +49,10 @@ ENDS = {
 
 
 def paint(scene: Scene) -> NDArray[np.uint8]:
-    """Return the picture, (h, w, 3) uint8; its size depends on the size of the map and of the team alone."""
+    """Return the picture, (h, w, 3) uint8.
+
+    Its size depends on the size of the map and of the team, and on whether a UAV is explained.
+    """
     layout = layout_of(scene.shape, scene.team)
     canvas = np.full((layout.height, layout.width, 3), 255, np.uint8)
     colours = _colours(scene)
@@ -61,7 +65,7 @@ def paint(scene: Scene) -> NDArray[np.uint8]:
         place = layout.main.left, layout.height - MARGIN - FOOTER / 2 + 4
         shown = f"own maps of UAVs 0 to {len(layout.panels) - 1}, +{layout.missing} more"
         write(canvas, place, shown, 13, FAINT, anchor=0.0)
-    return canvas
+    return canvas if scene.told is None else with_words(canvas, scene.told, uav_colours(scene.team)[scene.told.agent])
 
 
 def paint_team_map(canvas: Canvas, box: Box, scene: Scene) -> None:
@@ -146,6 +150,8 @@ def _team_map(canvas: Canvas, box: Box, scene: Scene, colours: NDArray[np.uint8]
     for agent in np.flatnonzero(ended_early(scene)).tolist() if scene.team <= LABELLED else ():
         end = End(int(scene.ends[agent]))
         overlays.label(chart, scene.cells, agent, f"{agent}: {ENDS[end]}" if end == End.STOPPED else ENDS[end])
+    if scene.told is not None and scene.told.explanation is not None:
+        mark(chart, scene.told.explanation, uav_colours(scene.team)[scene.told.agent])
     for agent in np.argsort(flying, kind="stable").tolist():  # flying UAVs last, on top
         overlays.uav(chart, scene.cells[agent], colours[agent], agent)
         if scene.ends[agent] == End.STOPPED:

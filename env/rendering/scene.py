@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Mask
 from indoor_explorers.env.grid.cells import MOVES, UNKNOWN
+from indoor_explorers.env.policies.explanation import Explanation
 from indoor_explorers.env.sensing.lidar import scan
 from indoor_explorers.env.simulation.custom_models import custom_scan
 from indoor_explorers.env.simulation.state import End
@@ -17,6 +19,15 @@ from indoor_explorers.env.simulation.world import World
 
 #: Positions that a trail holds at least and at most; between them, twice the sum of the map's sides.
 TRAIL_LENGTHS = (40, 400)
+
+
+class Told(NamedTuple):
+    """Why a UAV flies where it does."""
+
+    agent: int
+    """Its number."""
+    explanation: Explanation | None
+    """Of its last move; None if the pilot cannot tell."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -61,6 +72,8 @@ class Scene:
     """(H, W) the prior map: 1 free, 2 occupied; None where there is none."""
     title: str = ""
     """Stands in the caption."""
+    told: Told | None = None
+    """Which UAV is explained, and what its pilot tells; None for none."""
 
     @property
     def shape(self) -> tuple[int, int]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 import warnings
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -40,6 +41,8 @@ class Window:
         self._clock: Any = None
         #: Whether the user has closed it.
         self.closed = False
+        #: Names of the keys that were pressed since :meth:`taken_keys`, such as "e".
+        self._keys: list[str] = []
         if sys.platform.startswith("linux") and not any(
             os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER")
         ):
@@ -69,11 +72,19 @@ class Window:
         pygame.display.flip()
         self._clock.tick(self._fps)
 
-    def linger(self, picture: NDArray[np.uint8]) -> None:
-        """Show a picture (h, w, 3) until the window is closed; return at once if there is no visible window."""
-        self.show(picture)
+    def linger(self, picture: Callable[[], NDArray[np.uint8]]) -> None:
+        """Show a picture (h, w, 3) until the window is closed; return at once if there is no visible window.
+
+        It is asked for again and again, as keys may change it.
+        """
+        self.show(picture())
         while not self.closed and self._pygame.display.get_driver() not in BLIND:
-            self.show(picture)
+            self.show(picture())
+
+    def taken_keys(self) -> list[str]:
+        """Return the names of the keys that were pressed since the last call."""
+        keys, self._keys = self._keys, []
+        return keys
 
     def close(self) -> None:
         """Close the window; the next picture opens it again unless the user has closed it."""
@@ -101,11 +112,13 @@ class Window:
         return InputError(f"expected a display to open a window on, got none ({reason}); {self._instead}")
 
     def _heed(self) -> None:
-        """Close the window on a quit event or Esc."""
+        """Close the window on a quit event or Esc, and note other keys."""
         pygame = self._pygame
         for event in pygame.event.get() if self._clock is not None else ():
             if event.type == pygame.QUIT or (event.type == pygame.KEYDOWN and event.key == pygame.K_ESCAPE):
                 self.closed = True
+            elif event.type == pygame.KEYDOWN:
+                self._keys.append(pygame.key.name(event.key))
         if self.closed:
             self.close()
 

@@ -8,8 +8,8 @@ from rich.console import Console
 from rich.table import Table
 
 from indoor_explorers.env import Explanation, InputError
-from indoor_explorers.env.grid.arrays import Cell
-from indoor_explorers.evaluation.harness.episodes.flight import SILENT, Flight, first_flight
+from indoor_explorers.env.policies.explanation import cell_text, sentence
+from indoor_explorers.evaluation.harness.episodes.flight import Flight
 from indoor_explorers.evaluation.harness.experiment.experiment import Experiment
 
 
@@ -26,7 +26,7 @@ def explained(experiment: Experiment, step: int) -> Flight:
             f"expected one policy and one scenario to explain, got {len(experiment.policies)} and "
             f"{len(experiment.scenarios)}; give one of each"
         )
-    flight = first_flight(experiment, 0, explaining=True)
+    flight = Flight(experiment.policies[0].make(), experiment.scenarios[0], experiment.seed, explaining=True)
     for _ in flight.steps():
         if flight.step >= step:
             break
@@ -38,27 +38,13 @@ def print_explanations(flight: Flight, agents: Sequence[int], console: Console) 
     for agent in agents:
         told = flight.pilots[agent].explain()
         cell = cell_text(flight.world.state.believed_cell[0, agent].tolist())
-        console.print(f"UAV {agent}, step {flight.step}, in {cell}: {summary(told)}", highlight=False, soft_wrap=True)
+        console.print(f"UAV {agent}, step {flight.step}, in {cell}: {sentence(told)}", highlight=False, soft_wrap=True)
         if told is not None and told.candidates:
             console.print(f"  among {len(told.candidates)}, by {told.score}:", highlight=False, soft_wrap=True)
             console.print(candidates_table(told))
         if told is not None and told.mates:
             others = ", ".join(f"UAV {mate} to {cell_text(goal)}" for mate, goal in sorted(told.mates.items()))
             console.print(f"  it supposes: {others}", highlight=False, soft_wrap=True)
-
-
-def cell_text(cell: Sequence[int] | Cell) -> str:
-    """Return a cell as text: its row and column."""
-    return f"({cell[0]}, {cell[1]})"
-
-
-def summary(told: Explanation | None) -> str:
-    """Return the sentence about an explanation."""
-    if told is None:
-        return SILENT
-    way = "" if len(told.path) < 2 else f", {len(told.path) - 1} steps away"
-    goal = "no goal" if told.goal is None else f"flies to {cell_text(told.goal)}{way}, chosen at step {told.step}"
-    return f"{goal}; {told.note}" if told.note else goal
 
 
 def candidates_table(told: Explanation) -> Table:

@@ -19,7 +19,7 @@ from indoor_explorers.env.rendering import paint, scene_of
 from indoor_explorers.env.rendering.indexed import Palette
 from indoor_explorers.env.rendering.side_by_side import SideBySide, paint_side_by_side
 from indoor_explorers.evaluation import compare
-from indoor_explorers.evaluation.cli.watch import Flight
+from indoor_explorers.evaluation.cli.watch import WatchedFlight
 from indoor_explorers.evaluation.harness.experiment.planning import plan
 from indoor_explorers.evaluation.harness.experiment.request import NO_SETTINGS, ComparisonRequest
 
@@ -116,10 +116,12 @@ def scenarios() -> list[str]:
     return [name for name in PRESETS if not re.search(ALIKE, name)]
 
 
-def flown(policy: str, scenario: str, most: int | None = None, settings: Mapping[str, Any] = NO_SETTINGS) -> Flight:
+def flown(
+    policy: str, scenario: str, most: int | None = None, settings: Mapping[str, Any] = NO_SETTINGS
+) -> WatchedFlight:
     """Fly one episode until most is known, or ``most`` steps."""
     request = ComparisonRequest(policies=[policy], scenario=[scenario], episodes=1, seed=SEED, settings=settings)
-    flight = Flight(plan(request), 0, most)
+    flight = WatchedFlight(plan(request), 0, most)
     for _ in flight.moments():
         if flight.coverage[-1] >= TYPICAL:
             break

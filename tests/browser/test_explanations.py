@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from indoor_explorers.env import PRESETS, make_policy
-from indoor_explorers.evaluation.harness.episodes.flight import SILENT, explained_again
+from indoor_explorers.env.policies.explanation import SILENT
+from indoor_explorers.evaluation.harness.episodes.flight import explained_again
 from indoor_explorers.evaluation.harness.episodes.runner import fly
 from indoor_explorers.evaluation.harness.experiment.experiment import Experiment, PolicyChoice, Task
 from indoor_explorers.evaluation.harness.experiment.policy_facts import policy_facts

@@ -7,7 +7,13 @@ from typing import Annotated
 
 from indoor_explorers.evaluation.cli.command import Command, make_console
 from indoor_explorers.evaluation.cli.commands.one_episode import EpisodeOptions
-from indoor_explorers.evaluation.harness.experiment.request import Option, read_count, read_names, read_rate
+from indoor_explorers.evaluation.harness.experiment.request import (
+    Option,
+    read_count,
+    read_names,
+    read_natural,
+    read_rate,
+)
 
 
 class WatchOptions(EpisodeOptions):
@@ -24,6 +30,8 @@ class WatchOptions(EpisodeOptions):
     """Keep at most N frames of a .gif or .mp4 (default 240 or 1800): every second, fourth, ... step of longer ones."""
     fps: Annotated[float | None, Option(metavar="N", read=read_rate)] = None
     """Frames per second (default 8; long videos up to 25)."""
+    explain: Annotated[int | None, Option(metavar="N", read=read_natural)] = None
+    """Draw where UAV N flies and why: way, candidates, scores. In a window the key e does so for one after the other."""
 
 
 def run_watch(options: WatchOptions, typed: str) -> int:
@@ -33,7 +41,8 @@ def run_watch(options: WatchOptions, typed: str) -> int:
     from indoor_explorers.evaluation.harness.experiment.planning import plan
 
     film = None if options.save is None else VideoWriter(options.save, options.fps, options.frames)
-    watch(plan(options.comparison(options.policy)), make_console(), film=film, steps=options.steps, fps=options.fps)
+    experiment = plan(options.comparison(options.policy))
+    watch(experiment, make_console(), film=film, steps=options.steps, fps=options.fps, explained=options.explain)
     return 0
 
 

@@ -11,13 +11,10 @@ from indoor_explorers.env import Explanation, Pilot, Policy, Scenario, World
 from indoor_explorers.env.errors import RunError
 from indoor_explorers.env.grid.arrays import Mask
 from indoor_explorers.env.maps.floorplan import Floorplan
+from indoor_explorers.env.policies.explanation import SILENT
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
 from indoor_explorers.env.simulation.spawns import draw_floorplan
 from indoor_explorers.evaluation.harness.episodes.record import Record
-from indoor_explorers.evaluation.harness.experiment.experiment import Experiment
-
-#: What is said of a policy whose pilots explain nothing.
-SILENT = "this policy does not explain its actions"
 
 
 class Flight:
@@ -79,12 +76,6 @@ class Flight:
             return [pilot.explain() if flew else None for flew, pilot in pairs] or [None] * len(self.flew)
         except Exception as error:
             raise RunError(f"explain() failed at step {self.step}: {type(error).__name__}: {error}") from error
-
-
-def first_flight(experiment: Experiment, number: int, *, explaining: bool) -> Flight:
-    """Begin the first episode of an experiment's only scenario with its policy of this number."""
-    scenario, policy = experiment.scenarios[0], experiment.policies[number].make()
-    return Flight(policy, scenario, experiment.seed, explaining=explaining)
 
 
 def explained_again(record: Record, scenario: Scenario, policy: Policy) -> Iterator[list[Explanation | None]]:

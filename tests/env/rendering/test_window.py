@@ -86,7 +86,7 @@ def test_pictures_come_no_faster_than_asked_for():
 
 
 def test_the_last_picture_does_not_linger_where_nobody_looks(window):
-    window.linger(PICTURE)
+    window.linger(lambda: PICTURE)
     assert not window.closed
 
 

@@ -6,11 +6,12 @@ import sys
 
 import numpy as np
 import pytest
-from PIL import Image
+from PIL import Image, ImageSequence
 
-from indoor_explorers.env import World, make_policy
+from indoor_explorers.env import make_policy
+from indoor_explorers.env.rendering.explained import HEIGHT
 from indoor_explorers.env.rendering.window import Window, load_pygame
-from indoor_explorers.evaluation.cli.watch import flight
+from indoor_explorers.evaluation.cli.watch import WatchedFlight
 from indoor_explorers.evaluation.harness.episodes.runner import fly
 from indoor_explorers.evaluation.harness.experiment.planning import plan
 from indoor_explorers.evaluation.harness.experiment.request import ComparisonRequest
@@ -40,11 +41,10 @@ def test_the_episode_is_the_one_that_compare_flies(policy, seed):
     experiment = plan(ComparisonRequest(policies=[policy], scenario="thesis-team-4", episodes=1, seed=seed))
     scenario = experiment.scenarios[0]
     (record,) = fly(make_policy(policy), policy, scenario, experiment.tasks())
-    world, cells, covered = World(scenario), [], []
-    world.begin(0, seed)
-    for _ in flight(make_policy(policy), world, int(world.state.budget[0])):
-        cells.append(world.state.cell[0].copy())
-        covered.append(int(world.state.team_covered[0]))
+    watched, cells, covered = WatchedFlight(experiment, 0, None), [], []
+    for _ in watched.moments():
+        cells.append(watched.world.state.cell[0].copy())
+        covered.append(int(watched.world.state.team_covered[0]))
     assert np.array_equal(np.array(cells), record.cells)
     assert np.array_equal(covered, record.covered[:, 0])
 
@@ -92,6 +92,52 @@ def test_the_window_shows_every_step(capsys, shown):
     assert not load_pygame().display.get_init()
 
 
+def test_a_film_explains_a_uav_in_lines_below(capsys, tmp_path):
+    films = [tmp_path / "plain.gif", tmp_path / "told.gif"]
+    for path, more in zip(films, ([], ["--explain", "1"]), strict=True):
+        status, _, errors = run(capsys, *WATCH, "--steps", "6", *more, "--save", path)
+        assert (status, errors) == (0, "")
+    frames = []
+    for path in films:
+        with Image.open(path) as film:
+            frames.append([np.asarray(frame.convert("RGB")) for frame in ImageSequence.Iterator(film)])
+    assert {frame.shape[0] for frame in frames[1]} == {frames[0][0].shape[0] + HEIGHT}
+    height = frames[0][0].shape[0]
+    below = [np.count_nonzero(frame[height:] < 200) for frame in frames[1]]
+    assert below[0] < below[1] / 2
+    changed = [
+        np.abs(told[:height].astype(int) - plain).max(axis=2) > 60 for told, plain in zip(*frames[::-1], strict=True)
+    ]
+    assert np.count_nonzero(changed[0]) == 0
+    assert all(np.count_nonzero(each) > 50 for each in changed[1:])
+
+
+def test_a_key_explains_one_uav_after_the_other(capsys, shown, monkeypatch):
+    pygame, show = load_pygame(), Window.show
+
+    def show_and_press(self, picture):
+        show(self, picture)
+        pygame.event.post(pygame.event.Event(pygame.KEYDOWN, key=pygame.K_e))
+
+    monkeypatch.setattr(Window, "show", show_and_press)
+    status, _, errors = run(capsys, *WATCH, "--steps", "5", "--fps", "1000")
+    assert (status, errors) == (0, "")
+    heights = [shape[0] for shape in shown]
+    assert [height - min(heights) for height in heights] == [0, 0, HEIGHT, HEIGHT, 0, HEIGHT]
+
+
+def test_explaining_does_not_change_the_flight():
+    experiment = plan(ComparisonRequest(policies=["pso"], scenario="thesis-team-4", episodes=1, seed=2))
+    ends = []
+    for explaining in (False, True):
+        watched = WatchedFlight(experiment, 0, 12, explaining=explaining)
+        for _ in watched.moments():
+            told = watched.explanations()
+        ends.append(watched.world.state.cell[0].tolist())
+        assert any(each.candidates for each in told) == explaining
+    assert ends[0] == ends[1]
+
+
 def test_closing_the_window_ends_the_flight(capsys, monkeypatch):
     pygame, show = load_pygame(), Window.show
 
@@ -118,6 +164,8 @@ def test_closing_the_window_ends_the_flight(capsys, monkeypatch):
         (["--fps", "0"], "expected a number of frames a second"),
         (["--set", "gaol=1"], "did you mean 'goal'"),
         (["--maps", "nowhere.yaml"], "nowhere.yaml"),
+        (["--explain", "2"], "expected --explain from 0 to 1, got 2"),
+        (["--policy", "frontier,pso", "--explain", "0"], "expected one policy to explain, got 2"),
     ],
 )
 def test_a_usage_error_is_one_line_and_status_2(words, message, capsys, tmp_path, monkeypatch):

@@ -9,9 +9,10 @@ import pytest
 from indoor_explorers.env import PRESETS, Candidate, Explanation, make_policy
 from indoor_explorers.env.errors import RunError
 from indoor_explorers.env.grid.cells import MOVES
+from indoor_explorers.env.policies.explanation import SILENT
 from indoor_explorers.evaluation.analysis.comparison import Comparison
 from indoor_explorers.evaluation.drawing.palette import policy_styles
-from indoor_explorers.evaluation.harness.episodes.flight import SILENT, explained_again
+from indoor_explorers.evaluation.harness.episodes.flight import explained_again
 from indoor_explorers.evaluation.harness.episodes.record import Outcome
 from indoor_explorers.evaluation.harness.episodes.runner import fly
 from indoor_explorers.evaluation.harness.experiment.experiment import Experiment, PolicyChoice, Task
