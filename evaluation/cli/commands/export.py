@@ -35,8 +35,11 @@ class ExportOptions(Request):
     """Duration of a step in the file (default 1 s)."""
     speed: Annotated[float | None, Option(metavar="METRES/SECOND", read=read_speed)] = None
     """Speed of the UAVs instead: a step lasts as long as they need for one cell."""
+    explanations: Annotated[bool, Option()] = False
+    """Also write why each UAV flies where it does, as markers: its policy flies the episode again."""
     plugins: Annotated[tuple[str, ...], PLUGIN_NAMES] = ()
-    """Lidar and radio models from outside this package that the results name and that may be imported."""
+    """Lidar and radio models from outside this package that the results name and that may be imported, and policies to
+    explain."""
     out: Annotated[Path, Option(metavar="PATH")]
     """FILE.mcap, or the folder of the other formats; what an export wrote there before is replaced."""
 

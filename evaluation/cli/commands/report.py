@@ -44,7 +44,8 @@ class ReportOptions(Request):
     panels: Annotated[tuple[str, ...], PLUGIN_NAMES] = ()
     """Panels of plug-ins to add to the page: installed names, or module:function."""
     plugins: Annotated[tuple[str, ...], PLUGIN_NAMES] = ()
-    """Lidar and radio models from outside this package that the results name and that may be imported for replays."""
+    """Lidar and radio models from outside this package that the results name and that may be imported for replays, and
+    policies to explain them."""
     exports: Annotated[Path | None, Option(metavar="DIR")] = None
     """Also write summary, tables, figures, experiments and planner-arena.db."""
 

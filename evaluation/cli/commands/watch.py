@@ -31,7 +31,7 @@ class WatchOptions(EpisodeOptions):
     fps: Annotated[float | None, Option(metavar="N", read=read_rate)] = None
     """Frames per second (default 8; long videos up to 25)."""
     explain: Annotated[int | None, Option(metavar="N", read=read_natural)] = None
-    """Draw where UAV N flies and why: way, candidates, scores. In a window the key e does so for one after the other."""
+    """Draw where UAV N flies and why: way, candidates, scores. In a window the key e explains one after the other."""
 
 
 def run_watch(options: WatchOptions, typed: str) -> int:

@@ -10,12 +10,15 @@ from pathlib import Path
 from typing import Literal, get_args
 
 from indoor_explorers.env import InputError, Scenario
+from indoor_explorers.env.errors import RunError
 from indoor_explorers.env.files import expanded, written_whole
 from indoor_explorers.evaluation.exports.episodes.choosing import chosen_record
 from indoor_explorers.evaluation.exports.episodes.csv_tables import FILES, write_csv
 from indoor_explorers.evaluation.exports.episodes.moments import frame_of
+from indoor_explorers.evaluation.harness.episodes.flight import Told, explained_again
 from indoor_explorers.evaluation.harness.episodes.record import Record
 from indoor_explorers.evaluation.harness.results.results import Results
+from indoor_explorers.evaluation.harness.results.stored_policy import policy_again, whole_scenario
 
 #: What an episode can be written as.
 Format = Literal["mcap", "rosbag2", "csv"]
@@ -32,6 +35,7 @@ def export_episode(
     format: Format = "mcap",
     step_seconds: float | None = None,
     speed: float | None = None,
+    explanations: bool = False,
     plugins: Iterable[str] = (),
 ) -> Path:
     """Write one episode of a results folder for other programs, and return where it lies.
@@ -50,26 +54,38 @@ def export_episode(
             for ``ros2 bag play``, in the format of Humble; ``csv``, ``steps.csv`` and ``meta.json``.
         step_seconds: seconds of a step; 1 if neither this nor the speed is given.
         speed: metres per second, instead: a step is then the time to fly one cell.
-        plugins: the lidar and radio models from outside this package that may be imported for it.
+        explanations: whether to fly the episode again with its policy, for a topic of each UAV that explains its moves.
+        plugins: the lidar and radio models, and policies to explain, from outside this package that may be imported.
 
     Raises:
         InputError: the episode is not there, is not the only one, or cannot be written.
-        RunError: the episode is not as stored when it is simulated again.
+        RunError: the episode is not as stored when it is simulated again, or cannot be explained.
 
     """
     if format not in get_args(Format):
         raise InputError(f"expected a format of {', '.join(get_args(Format))}, got {format!r}")
+    if explanations and format == "csv":
+        raise InputError("expected explanations in mcap or rosbag2, got csv; choose another --format")
     target, results = _checked_target(expanded(out), format), Results.load(expanded(folder), plugins)
     wanted = {"policy": policy, "scenario": scenario, "map": map, "seed": seed}
     record = chosen_record(results, str(folder), wanted)
     settings = results.scenario(record.task.scenario)
     seconds = _step_seconds(record, step_seconds, speed)
     try:
-        WRITERS[format](record, settings, target, seconds)
+        WRITERS[format](record, settings, target, seconds, _told(results, record) if explanations else None)
     except (OSError, sqlite3.Error) as error:
         why = getattr(error, "strerror", None) or error
         raise InputError(f"{target}: cannot be written: {why}; choose another --out") from error
     return target
+
+
+def _told(results: Results, record: Record) -> Told:
+    """Yield what explains the moves of an episode, which its policy flies again."""
+    try:
+        policy, scenario = policy_again(results, record.policy), whole_scenario(results, record.task.scenario)
+        yield from explained_again(record, scenario, policy)
+    except (InputError, RunError) as error:
+        raise type(error)(f"{record.policy} cannot be explained: {error}; leave out --explanations") from error
 
 
 def _step_seconds(record: Record, step_seconds: float | None, speed: float | None) -> float:
@@ -98,21 +114,21 @@ def _is_exported(path: Path) -> bool:
     return path.name in (*FILES, "metadata.yaml", f"{path.parent.name}.db3")
 
 
-def _write_mcap(record: Record, scenario: Scenario, target: Path, seconds: float) -> None:
+def _write_mcap(record: Record, scenario: Scenario, target: Path, seconds: float, told: Told | None) -> None:
     write_bag = _bag_writer()
     with written_whole(target) as partial, _new_folder(partial) as scratch:
-        write_bag(record, scenario, scratch / target.stem, seconds, mcap=True)
+        write_bag(record, scenario, scratch / target.stem, seconds, mcap=True, told=told)
         (scratch / target.stem / target.name).replace(partial)
 
 
-def _write_rosbag2(record: Record, scenario: Scenario, target: Path, seconds: float) -> None:
+def _write_rosbag2(record: Record, scenario: Scenario, target: Path, seconds: float, told: Told | None) -> None:
     write_bag = _bag_writer()
     with _new_folder(target.resolve()) as scratch:
-        write_bag(record, scenario, scratch / target.name, seconds, mcap=False)
+        write_bag(record, scenario, scratch / target.name, seconds, mcap=False, told=told)
         _replace_folder(scratch / target.name, target)
 
 
-def _write_csv(record: Record, scenario: Scenario, target: Path, seconds: float) -> None:
+def _write_csv(record: Record, scenario: Scenario, target: Path, seconds: float, told: Told | None) -> None:
     with _new_folder(target.resolve()) as scratch:
         (scratch / target.name).mkdir()
         write_csv(record, scenario, scratch / target.name, seconds)
@@ -120,7 +136,7 @@ def _write_csv(record: Record, scenario: Scenario, target: Path, seconds: float)
 
 
 #: How each format is written.
-WRITERS: dict[str, Callable[[Record, Scenario, Path, float], None]] = {
+WRITERS: dict[str, Callable[[Record, Scenario, Path, float, Told | None], None]] = {
     "mcap": _write_mcap,
     "rosbag2": _write_rosbag2,
     "csv": _write_csv,

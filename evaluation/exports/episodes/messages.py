@@ -7,7 +7,7 @@ Humble to Lyrical.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -16,13 +16,18 @@ from rosbags.typesys import Stores, get_typestore
 
 from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.interfaces import GridFrame
+from indoor_explorers.env.policies.explanation import Candidate, Explanation, sentence
+from indoor_explorers.env.rendering.palette import INK
 
 STORE = get_typestore(Stores.ROS2_HUMBLE)
 #: The frame of the maps.
 MAP = "map"
 #: Kinds of markers, and what becomes of one, as ``visualization_msgs/Marker`` numbers them.
-LINE_LIST, CUBE_LIST, ADD, DELETE = 5, 6, 0, 2
+CUBE, SPHERE, LINE_STRIP, LINE_LIST, CUBE_LIST, TEXT = 1, 2, 4, 5, 6, 9
+ADD, DELETE, DELETE_ALL = 0, 2, 3
 NANOSECONDS = 1_000_000_000
+#: RGB of the candidates of the lowest and of the highest score.
+LOW, HIGH = (68, 1, 84), (253, 231, 37)
 
 
 def uav_frame(uav: int) -> str:
@@ -67,17 +72,68 @@ class Messages:
         No points delete the marker, which must not be empty.
         """
         size = self.frame.resolution * (0.12 if kind == LINE_LIST else 0.9)
-        marker = _new(
-            *("visualization_msgs/msg/Marker", self._header(), name, 0, kind, ADD if len(cells) else DELETE),
-            _new("geometry_msgs/msg/Pose", _point(0.0, 0.0), _upright()),
-            _new("geometry_msgs/msg/Vector3", size, size, 0.1 * size),
-            _new("std_msgs/msg/ColorRGBA", *(colour / 255).tolist(), 0.7),
-            _new("builtin_interfaces/msg/Duration", 0, 0),
-            *(False, [self._centre(cell) for cell in cells.tolist()], [], ""),
-            _new("sensor_msgs/msg/CompressedImage", self._header(""), "", np.empty(0, np.uint8)),
-            *([], "", "", _new("visualization_msgs/msg/MeshFile", "", np.empty(0, np.uint8)), False),
-        )
+        action, points = ADD if len(cells) else DELETE, [self._centre(cell) for cell in cells.tolist()]
+        marker = self.marker(name, 0, kind, action, _point(0.0, 0.0), (size, size, 0.1 * size), colour, 0.7, points)
         return _new("visualization_msgs/msg/MarkerArray", [marker])
+
+    def explanation(self, told: Explanation | None, colour: NDArray[np.uint8]) -> Any:
+        """Return a ``visualization_msgs/MarkerArray`` that replaces all earlier markers of its topic.
+
+        It has the way as a line and the goal as a cube in ``colour`` (3,), a sphere for each candidate, from violet for
+        the lowest score to yellow for the highest, and above them texts.
+        """
+        made = [self.marker("", 0, CUBE, DELETE_ALL, _point(0.0, 0.0), (0.0, 0.0, 0.0), colour)]
+        size = self.frame.resolution
+        if told is not None:
+            if len(told.path) > 1:
+                points, line = [self._centre(cell) for cell in told.path], (0.2 * size, 0.0, 0.0)
+                made.append(self.marker("way", 0, LINE_STRIP, ADD, _point(0.0, 0.0), line, colour, 0.9, points))
+            if told.goal is not None:
+                flat = (0.9 * size, 0.9 * size, 0.1 * size)
+                made.append(self.marker("goal", 0, CUBE, ADD, self._centre(told.goal), flat, colour, 0.6))
+                place = self._centre(told.goal, 1.2 * size)
+                made.append(self._text("goal text", 0, place, sentence(told)))
+            made += self._candidates(told.candidates)
+        return _new("visualization_msgs/msg/MarkerArray", made)
+
+    def _candidates(self, candidates: Sequence[Candidate]) -> Iterator[Any]:
+        size, scores = 0.6 * self.frame.resolution, np.array([each.score for each in candidates])
+        shares = (scores - scores.min(initial=np.inf)) / max(np.ptp(scores) if len(scores) else 0.0, 1e-12)
+        for rank, (each, share) in enumerate(zip(candidates, shares.tolist(), strict=True), 1):
+            shade = np.rint(np.array(LOW) + share * (np.array(HIGH) - LOW)).astype(np.uint8)
+            yield self.marker("candidates", rank, SPHERE, ADD, self._centre(each.cell), (size, size, size), shade)
+            place = self._centre(each.cell, size)
+            yield self._text("scores", rank, place, f"{rank}: {each.score:.3g}")
+
+    def _text(self, name: str, number: int, place: Any, text: str) -> Any:
+        """Return a text marker with letters 0.5 cells high."""
+        ink = np.array(INK, np.uint8)
+        return self.marker(name, number, TEXT, ADD, place, (0.0, 0.0, 0.5 * self.frame.resolution), ink, text=text)
+
+    def marker(
+        self,
+        name: str,
+        number: int,
+        kind: int,
+        action: int,
+        place: Any,
+        size: tuple[float, float, float],
+        colour: NDArray[np.uint8],
+        alpha: float = 1.0,
+        points: Sequence[Any] = (),
+        text: str = "",
+    ) -> Any:
+        """Return a ``visualization_msgs/Marker`` of a namespace ``name``, at a ``geometry_msgs/Point``."""
+        return _new(
+            *("visualization_msgs/msg/Marker", self._header(), name, number, kind, action),
+            _new("geometry_msgs/msg/Pose", place, _upright()),
+            _new("geometry_msgs/msg/Vector3", *size),
+            _new("std_msgs/msg/ColorRGBA", *(colour / 255).tolist(), alpha),
+            _new("builtin_interfaces/msg/Duration", 0, 0),
+            *(False, list(points), [], ""),
+            _new("sensor_msgs/msg/CompressedImage", self._header(""), "", np.empty(0, np.uint8)),
+            *([], text, "", _new("visualization_msgs/msg/MeshFile", "", np.empty(0, np.uint8)), False),
+        )
 
     def frames(self, cells: dict[int, Sequence[int]]) -> Any:
         """Return a ``tf2_msgs/TFMessage`` with the frame of each UAV in ``cells``."""
@@ -94,8 +150,8 @@ class Messages:
         """Return a ``std_msgs/Float64``."""
         return _new("std_msgs/msg/Float64", value)
 
-    def _centre(self, cell: Sequence[int]) -> Any:
-        return _point(*self.frame.point((cell[0], cell[1])))
+    def _centre(self, cell: Sequence[int], height: float = 0.0) -> Any:
+        return _point(*self.frame.point((cell[0], cell[1])), height)
 
     def _header(self, frame: str = MAP) -> Any:
         return _new("std_msgs/msg/Header", self._time(), frame)
@@ -108,8 +164,8 @@ def _new(kind: str, *fields: Any) -> Any:
     return STORE.types[kind](*fields)
 
 
-def _point(x: float, y: float) -> Any:
-    return _new("geometry_msgs/msg/Point", x, y, 0.0)
+def _point(x: float, y: float, z: float = 0.0) -> Any:
+    return _new("geometry_msgs/msg/Point", x, y, z)
 
 
 def _upright() -> Any:

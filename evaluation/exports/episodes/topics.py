@@ -20,6 +20,7 @@ from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, W
 
 from indoor_explorers.env import Scenario
 from indoor_explorers.env.grid.arrays import Cell
+from indoor_explorers.env.policies.explanation import Explanation
 from indoor_explorers.env.rendering.palette import INK, uav_colours
 from indoor_explorers.env.search.frontiers import frontier_mask
 from indoor_explorers.env.sensing.rays import first_hits
@@ -32,6 +33,7 @@ from indoor_explorers.evaluation.exports.episodes.messages import (
     uav_frame,
 )
 from indoor_explorers.evaluation.exports.episodes.moments import Moment, facts_of, frame_of, moments
+from indoor_explorers.evaluation.harness.episodes.flight import Told
 from indoor_explorers.evaluation.harness.episodes.record import Record
 
 #: The version of the metadata. From 9 on they name qualities of service, which Humble cannot read.
@@ -98,12 +100,16 @@ RAYS = np.linspace(-math.pi, math.pi, 360, endpoint=False)
 PATHS = 100
 
 
-def write_bag(record: Record, scenario: Scenario, folder: Path, step_seconds: float, *, mcap: bool) -> None:
-    """Write an episode as a bag into ``folder``, which is made."""
+def write_bag(
+    record: Record, scenario: Scenario, folder: Path, step_seconds: float, *, mcap: bool, told: Told | None = None
+) -> None:
+    """Write an episode as a bag into ``folder``, which is made, with what is ``told`` about its moves."""
     with new_bag(folder, json.dumps(facts_of(record, step_seconds)), mcap=mcap) as bag:
         topics = _Topics(bag, record, scenario, step_seconds)
         for moment in moments(record, scenario):
             topics.write(moment)
+            if told is not None and moment.step:
+                topics.explain(moment, next(told))
 
 
 class _Topics:
@@ -115,6 +121,7 @@ class _Topics:
         self._stamp, self._messages = START, Messages(self._frame, START)
         self._poses: list[list[Any]] = [[] for _ in range(record.team)]
         self._ranges: dict[Cell, NDArray[np.float64]] = {}
+        self._told: list[Explanation | None] = [None] * record.team
 
     def write(self, moment: Moment) -> None:
         """Write the messages of a moment."""
@@ -134,6 +141,14 @@ class _Topics:
             self._write_uav(moment, uav)
         for uav in range(self._record.team):
             self._write_path(moment, uav)
+
+    def explain(self, moment: Moment, told: list[Explanation | None]) -> None:
+        """Write why the UAVs that flew fly where they do, where it has changed."""
+        colours = uav_colours(self._record.team)
+        for uav in np.flatnonzero(moment.flew).tolist():
+            if told[uav] != self._told[uav]:
+                self._keep(f"/{uav_frame(uav)}/explanation", self._messages.explanation(told[uav], colours[uav]))
+                self._told[uav] = told[uav]
 
     def _write_uav(self, moment: Moment, uav: int) -> None:
         """Write where a UAV is, whom it hears, what its lidar measures and what it knows."""

@@ -16,6 +16,9 @@ from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rol
 from indoor_explorers.env.simulation.spawns import draw_floorplan
 from indoor_explorers.evaluation.harness.episodes.record import Record
 
+#: What explains the last move of each UAV, step by step from the first on.
+Told = Iterator[list[Explanation | None]]
+
 
 class Flight:
     """The episode of a seed, which is the one that :mod:`~.runner` flies in a batch of one.
@@ -78,7 +81,7 @@ class Flight:
             raise RunError(f"explain() failed at step {self.step}: {type(error).__name__}: {error}") from error
 
 
-def explained_again(record: Record, scenario: Scenario, policy: Policy) -> Iterator[list[Explanation | None]]:
+def explained_again(record: Record, scenario: Scenario, policy: Policy) -> Told:
     """Fly a recorded episode again with its policy; yield what explains each UAV's move, after each of its S steps.
 
     Raises:

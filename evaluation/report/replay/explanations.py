@@ -16,7 +16,7 @@ from indoor_explorers.env import Candidate, Explanation, InputError, Policy, Sce
 from indoor_explorers.env.errors import RunError, one_line
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.grid.cells import MOVES
-from indoor_explorers.evaluation.harness.episodes.flight import explained_again
+from indoor_explorers.evaluation.harness.episodes.flight import Told, explained_again
 from indoor_explorers.evaluation.harness.episodes.record import Outcome, Record
 from indoor_explorers.evaluation.harness.experiment.experiment import Task
 from indoor_explorers.evaluation.harness.results.results import Results
@@ -58,7 +58,7 @@ class Explaining:
         except (InputError, RunError) as error:
             return {"none": one_line(str(error))}
 
-    def _again(self, record: Record) -> Iterator[list[Explanation | None]]:
+    def _again(self, record: Record) -> Told:
         seconds, name = float(record.seconds[-1]), record.task.scenario
         if name not in self._opening:
             self._opening[name] = record.task
@@ -85,7 +85,7 @@ class Explaining:
         return made
 
 
-def packed_explanations(record: Record, steps: Iterator[list[Explanation | None]]) -> dict[str, Any]:
+def packed_explanations(record: Record, steps: Told) -> dict[str, Any]:
     """Return the explanations of each UAV after each step: streams of numbers by UAV, and the texts that they name."""
     texts = _Texts()
     writers = [_Writer(record.floorplan.shape[1], texts) for _ in range(record.team)]
