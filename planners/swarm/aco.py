@@ -165,7 +165,9 @@ class AntPilot(GoalPilot):
         goal = None
         if len(cells):
             policy, smell = self._policy, self._pheromone.field.ravel()[cells]
-            weights = preferences(smell, self._worth(view, cells, steps), policy.repulsion, policy.attraction)
+            worth = self._worth(view, cells, steps)
+            weights = preferences(smell, worth, policy.repulsion, policy.attraction)
+            self.consider(cells, "weight of the transition rule", weights, worth=worth, pheromone=smell, steps=steps)
             goal = divmod(int(cells[transition(weights, policy.greed, self.rng)]), self.paths.width)
         self.message = message_of(goal)
         return goal

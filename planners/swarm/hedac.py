@@ -143,6 +143,8 @@ class HedacPilot(IndependentPilot):
     def chosen(self, view: View) -> Cell | None:
         """Return the frontier cell at the end of the ascent; None if there is no ascent, or the cell is banned."""
         end = self._ascent(view)
+        if self.explaining:
+            self._compare_ascents(view)
         if end < 0 or self.near_banned(view, np.array([end], np.int32)).any():
             return None
         return divmod(end, self.paths.width)
@@ -158,6 +160,16 @@ class HedacPilot(IndependentPilot):
                 if end >= 0:
                     return end
         return -1
+
+    def _compare_ascents(self, view: View) -> None:
+        """Consider where the ascents through the neighbouring cells end; the warmest neighbour leads to the goal."""
+        around = [tuple(each) for each in (np.asarray(view.cell) + MOVES[:4])[np.asarray(view.legal[:4])].tolist()]
+        warmth = {cell: float(self._field[cell]) for cell in around if self._field[cell] > COLD}
+        ends = {cell: climb(self._field, view.belief, *cell) for cell in sorted(warmth, key=warmth.__getitem__)}
+        best = {end: cell for cell, end in ends.items() if end >= 0}  # the warmest one last
+        cells = np.array(list(best), np.int32)
+        steps = self.steps_from(view, view.cell).ravel()[cells]
+        self.consider(cells, "temperature of the first cell", [warmth[cell] for cell in best.values()], steps=steps)
 
     def _sinks(self, view: View) -> NDArray[np.int64]:
         cells = [mate.cell for mate in remembered(view, self.briefing) if mate.cell != view.cell]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import exp, hypot
 from typing import ClassVar
 
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.grid.cells import MOVES, OCCUPIED, UNREACHABLE, Action
+from indoor_explorers.env.policies.explanation import Explanation
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.sensing.lidar import view_gain
@@ -100,6 +101,15 @@ class ParticlePilot(GoalPilot):
         """Return the nearest frontier cell, for a UAV that is split off."""
         return self.nearest_frontier(view)
 
+    def explain(self) -> Explanation:
+        """Return what the swarm is drawn to, without a goal, or the frontier of a UAV that is split off."""
+        told = super().explain()
+        if self._alone:
+            return replace(told, note="split off, to the nearest frontier")
+        return replace(
+            told, goal=None, path=(), note="drifts as a particle, drawn to its nearest and the best candidate"
+        )
+
     def tally(self) -> dict[str, float]:
         """Return also how often and for how many steps the UAV was split off."""
         return {**super().tally(), "splits": float(self._splits), "split_off_steps": float(self._alone_steps)}
@@ -125,6 +135,10 @@ class ParticlePilot(GoalPilot):
             for k, cell in zip(order, near, strict=False)
         ]
         self._nearest = near[0] if near else None
+        if self.explaining:
+            self._chosen_at = view.step
+            flat, away = self.paths.flat(near), steps[order][: len(near)]
+            self.consider(flat, "view gain, less with distance; the group is drawn to its best", worth, steps=away)
         best = max(range(len(near)), key=worth.__getitem__, default=None)
         self.message = None if best is None else (float(near[best][0]), float(near[best][1]), worth[best])
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import atan2, cos, hypot, inf, isfinite, pi, sin
 from typing import ClassVar
 
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.grid.cells import Action
+from indoor_explorers.env.policies.explanation import Explanation
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
@@ -91,6 +92,14 @@ class SgbaPilot(GoalPilot):
     def choose(self, view: View) -> Cell | None:
         """Return the nearest frontier cell."""
         return self.nearest_frontier(view)
+
+    def explain(self) -> Explanation:
+        """Return in which state the UAV is; it has a goal only where it flies to a frontier."""
+        told = super().explain()
+        if self._finishes or self._detours:
+            why = "to finish" if self._finishes else "as a teammate is in the way"
+            return replace(told, note=f"the nearest frontier, {why}")
+        return replace(told, goal=None, path=(), note="along its bearing" if self._met is None else "along a wall")
 
     def tally(self) -> dict[str, float]:
         """Return also the steps of flying to nearest frontiers, to finish or because a teammate was in the way."""

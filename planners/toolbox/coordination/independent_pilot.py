@@ -27,6 +27,7 @@ class IndependentPilot(GoalPilot):
         self._lidar = float(briefing.lidar_range)
         self._out_of_contact = OutOfContact(briefing)
         self._fallbacks = 0
+        self._fell_back = False
 
     @abstractmethod
     def chosen(self, view: View) -> Cell | None:
@@ -35,11 +36,16 @@ class IndependentPilot(GoalPilot):
     def choose(self, view: View) -> Cell | None:
         """Return the chosen candidate, or the nearest frontier cell if none is in range."""
         goal = self.chosen(view)
+        self._fell_back = goal is None
         if goal is None:
             goal = self.nearest_frontier(view)
             self._fallbacks += goal is not None
         self.message = message_of(goal)
         return goal
+
+    def note_on_choice(self) -> str:
+        """Say where the goal is not the rule's."""
+        return "the nearest frontier, as the rule found no goal" if self._fell_back and self.goal else ""
 
     def tally(self) -> dict[str, float]:
         """Return also the number of goals that were nearest frontiers."""

@@ -43,6 +43,29 @@ def test_the_goal_is_the_candidate_of_the_highest_score(policy):
     assert np.mean([mine == top for mine, top in zip(chosen, best, strict=True)]) > 0.9
 
 
+def test_ants_and_fields_tell_what_they_compare():
+    for policy, share, parts in (("aco", 0.8, {"worth", "pheromone", "steps"}), ("hedac", 0.95, {"steps"})):
+        compared = [each for each in told_by(policy, "small-floors", team=1).values() if each.candidates]
+        compared = [each for each in compared if not each.note]
+        assert len(compared) > 20, policy
+        assert {name for each in compared for name in each.candidates[0].parts} == parts
+        best = [each.candidates[0].cell == each.goal for each in compared]
+        assert np.mean(best) >= share, policy
+        among = [each.goal in [one.cell for one in each.candidates] for each in compared]
+        assert np.mean(among) > 0.95, policy
+
+
+def test_particles_and_wall_followers_tell_what_they_do():
+    told = list(told_by("pso-robots", "thesis-team-4", steps=60).values())
+    drifting = [each for each in told if each.note.startswith("drifts")]
+    assert len(drifting) > 20
+    assert all(each.goal is None and each.path == () for each in drifting)
+    assert np.mean([len(each.candidates) > 0 for each in drifting]) > 0.9
+    told = list(told_by("sgba", "thesis-obstacles", steps=60).values())
+    assert {"along its bearing", "along a wall"} <= {each.note for each in told}
+    assert all((each.goal is None) == each.note.startswith("along") for each in told)
+
+
 def test_a_choice_is_kept_with_its_step_its_way_and_the_teammates_goals():
     told = told_by("frontier", "small-floors", team=2)
     goals = {agent: told[40, agent].goal for agent in (0, 1)}
