@@ -39,7 +39,7 @@ def quality(depth: int, *, latched: bool = False, reliable: bool = True, facts: 
 
 
 def taken(reader: DataReader[Any], most: int = 16) -> list[Any]:
-    """Return the messages that have arrived on a topic, the oldest first; notes that a writer has ended are left out."""
+    """Return the messages that have arrived on a topic, the oldest first."""
     return [message for message in reader.take(most) if not isinstance(message, InvalidSample)]
 
 

@@ -14,8 +14,6 @@ or shows nothing new is banned for a while and given up after three times (:mod:
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any, NamedTuple
 
@@ -23,15 +21,16 @@ import numpy as np
 
 from indoor_explorers.env import InputError, Policy
 from indoor_explorers.env.grid.arrays import Belief, Cell
-from indoor_explorers.env.grid.cells import FREE, UNREACHABLE
+from indoor_explorers.env.grid.cells import FREE
 from indoor_explorers.env.interfaces import GridFrame
 from indoor_explorers.env.interfaces.ros import Goal
 from indoor_explorers.env.policies.view import Message
-from indoor_explorers.env.search.bfs import distance_field
 from indoor_explorers.env.search.frontiers import frontier_mask
 from indoor_explorers.evaluation.robot.bans import Bans, Point
-from indoor_explorers.evaluation.robot.occupancy import MARGIN, Area, Occupancy, belief_on, frame_on, occupancy_of
+from indoor_explorers.evaluation.robot.occupancy import MARGIN, belief_on, frame_on, occupancy_of
 from indoor_explorers.evaluation.robot.piloting import Contact, Piloting, task_of, without
+from indoor_explorers.evaluation.robot.reach import is_frontier, nearest_frontier, standing_cell
+from indoor_explorers.evaluation.robot.settings import RobotSettings
 
 #: Metres: how far from a robot that stands in no free cell one is looked for; how near a mate may be in the way.
 SNAP, NEAR = 1.0, 1.5
@@ -48,49 +47,6 @@ class State(StrEnum):
     PAUSED = "paused"
     SILENT = "silent"
     DONE = "done"
-
-
-@dataclass(frozen=True, kw_only=True)
-class RobotSettings:
-    """Describe a robot and how it explores."""
-
-    cell: float = 0.25
-    """Metres a cell of the pilot's map."""
-    radius: float = 0.22
-    """Metres from the robot's centre to its outer edge."""
-    lidar_range: float = 8.0
-    """Metres."""
-    area: Area | None = None
-    """What is to be explored; None for all that the map grows to."""
-    robots: tuple[str, ...] = ("",)
-    """Names of the team, in the same order for all; an empty one for a robot without a namespace."""
-    name: str = ""
-    """The robot's own name."""
-    silence: float = 30.0
-    """Seconds without a map after which the robot stops; 0 for never."""
-    patience: float = 30.0
-    """Seconds in one cell after which a goal has failed."""
-    ban: float = 60.0
-    """Seconds that a failed goal is banned for."""
-    settle: float = 8.0
-    """Seconds that the map is given to show what is around a goal, and that no frontier may be left before the end."""
-    seed: int = 0
-    """Seed of the pilot's random generator."""
-    settings: Mapping[str, Any] = field(default_factory=dict)
-    """Scenario settings that pilots are told."""
-
-    def __post_init__(self) -> None:
-        if self.name not in self.robots or len(set(self.robots)) < len(self.robots):
-            raise InputError(f"expected --name among different --robots, got {self.name!r} and {self.robots}")
-        if len(self.robots) > 1 and self.area is None:
-            raise InputError("expected --area X0,Y0,X1,Y1 for a team, so that all mean the same cells; give it")
-        if self.area is not None and not (self.area.x0 < self.area.x1 and self.area.y0 < self.area.y1):
-            raise InputError(f"expected an area X0,Y0,X1,Y1 with X0 < X1 and Y0 < Y1, got {tuple(self.area)}")
-
-    @property
-    def agent(self) -> int:
-        """The robot's number in its team."""
-        return self.robots.index(self.name)
 
 
 class Command(NamedTuple):
@@ -110,6 +66,8 @@ class Explorer:
     """Explore with one robot; times are seconds of any clock that never runs back."""
 
     def __init__(self, policy: Policy, settings: RobotSettings) -> None:
+        if policy.privileged:
+            raise InputError("expected a policy that explores, got one that has to be given the map; choose another")
         self.settings, self._policy = settings, policy
         self._task = task_of(len(settings.robots), settings.lidar_range / settings.cell, settings.settings)
         self._bans = Bans(settings.ban, 2 * max(settings.cell, settings.radius))
@@ -131,7 +89,7 @@ class Explorer:
     def hear_map(self, grid: Any, now: float) -> None:
         """Take a ``nav_msgs/OccupancyGrid``; raise :class:`InputError` if it cannot be used."""
         occupancy, frame = occupancy_of(grid), self.frame
-        if frame is None or (self.settings.area is None and not _holds(frame, occupancy)):
+        if frame is None or (self.settings.area is None and not occupancy.is_within(frame)):
             area = self.settings.area or occupancy.bounds().with_margin(MARGIN)
             frame = frame_on(area, self.settings.cell)
         belief = belief_on(frame, occupancy, self.settings.radius)
@@ -187,7 +145,8 @@ class Explorer:
         cell, shown = self._situation(now)
         if cell != self._entered[0]:
             self._entered = cell, now
-        if not _frontier_in_reach(shown, cell):
+        nearest = nearest_frontier(shown, cell)
+        if nearest is None:
             return self._bare(now)
         self._bare_since = None
         if self.state not in (State.EXPLORING, State.BLOCKED):
@@ -195,7 +154,7 @@ class Explorer:
         self._check_progress(cell, now)
         if self._arrival is not None and self._awaits_map(shown, now):
             return None
-        return self._decide(shown, cell, now) if self._is_due(shown, cell, now) else None
+        return self._decide(shown, cell, nearest, now) if self._is_due(shown, cell, now) else None
 
     def _held(self, now: float) -> tuple[State, str] | None:
         """Return what keeps the robot from exploring, and why; None for nothing."""
@@ -212,16 +171,13 @@ class Explorer:
 
     def _situation(self, now: float) -> tuple[Cell, Belief]:
         """Return the cell that the robot counts to be in, and the belief with the banned places as obstacles."""
-        assert self._belief is not None and self._pose is not None and self.frame is not None
+        assert self._belief is not None
+        assert self._pose is not None
         own = self._cell_of(self._pose[:2]) or (0, 0)
         banned = [cell for point in self._bans.active(now) if (cell := self._cell_of(point))]
         reach = max(1, round(self.settings.radius / self.settings.cell))
         shown = without(self._belief, banned, reach, own)
-        near = np.argwhere(shown == FREE)
-        away = np.hypot(*(near - own).T) * self.settings.cell
-        choices = near[np.argsort(away, kind="stable")[: int((away <= SNAP).sum())]].tolist()
-        cells = [(int(row), int(col)) for row, col in choices] or [own]
-        cell = next((cell for cell in cells if _frontier_in_reach(shown, cell)), cells[0])
+        cell = standing_cell(shown, own, max(SNAP / self.settings.cell, 2.0))
         shown[cell] = FREE
         return cell, shown
 
@@ -262,7 +218,7 @@ class Explorer:
     def _awaits_map(self, shown: Belief, now: float) -> bool:
         """Tell whether the map has yet to show what is around the place of arrival; ban it if it never does."""
         assert self._arrival is not None
-        if _is_frontier(shown, self._arrival):
+        if is_frontier(shown, self._arrival):
             if now - self._ended_at < self.settings.settle:
                 return True
             self._fail(self._arrival, now, "nothing new there")
@@ -277,26 +233,27 @@ class Explorer:
         waited = now - self._asked[1]
         if self.target is None:
             return waited >= AGAIN
-        spent = self._leads_on and not _is_frontier(shown, self.target)
+        spent = self._leads_on and not is_frontier(shown, self.target)
         return waited >= (AGAIN if spent else STALL if self.state is State.BLOCKED else math.inf)
 
-    def _decide(self, shown: Belief, cell: Cell, now: float) -> Command | None:
+    def _decide(self, shown: Belief, cell: Cell, nearest: Cell, now: float) -> Command | None:
         """Ask the pilot for a way; return the goal at its end, if that is another one."""
-        assert self.frame is not None and self.piloting is not None
+        assert self.frame is not None
+        assert self.piloting is not None
         self._asked = cell, now
         way = self.piloting.decide(shown, cell, self._contacts(now))
         if len(way) == 1 and now - max(self._entered[1], self._ended_at) >= self.settings.patience:
-            way, self.note = [cell, _nearest_frontier(shown, cell)], "the policy stays; the nearest frontier instead"
+            way, self.note = [cell, nearest], "the policy stays; the nearest frontier instead"
             self._ended_at = now
         if way[-1] == cell:
-            if _is_frontier(shown, cell):
+            if is_frontier(shown, cell):
                 self._arrival, self._ended_at = cell, now
             return self._halt()
         if way[-1] == self.target:
             return None
         if self.target is None:
             self._ended_at = now
-        self.target, self._leads_on = way[-1], _is_frontier(shown, way[-1])
+        self.target, self._leads_on = way[-1], is_frontier(shown, way[-1])
         down, right = way[-1][0] - way[-2][0], way[-1][1] - way[-2][1]
         return Command(Goal(*self.frame.point(way[-1]), math.atan2(-down, right)))
 
@@ -322,30 +279,3 @@ class Explorer:
             return self.frame.cell(*point)
         except InputError:
             return None
-
-
-def _holds(frame: GridFrame, grid: Occupancy) -> bool:
-    """Tell whether the known pixels of a grid are all on a frame."""
-    rows, cols = np.nonzero(grid.values >= 0)
-    if len(rows) == 0:
-        return True
-    corner = np.array([cols.min(), cols.max() + 1]), np.array([rows.min(), rows.max() + 1])
-    x, y = grid.points(*map(np.ravel, np.meshgrid(*corner)))
-    left, low = frame.origin
-    width, height = frame.shape[1] * frame.resolution, frame.shape[0] * frame.resolution
-    return bool(x.min() >= left and y.min() >= low and x.max() <= left + width and y.max() <= low + height)
-
-
-def _is_frontier(belief: Belief, cell: Cell) -> bool:
-    return bool(frontier_mask(belief)[cell])
-
-
-def _frontier_in_reach(belief: Belief, cell: Cell) -> bool:
-    """Tell whether a frontier cell can be reached from a cell; an occupied one counts as free."""
-    return bool((frontier_mask(belief) & (distance_field(belief, cell) < UNREACHABLE)).any())
-
-
-def _nearest_frontier(belief: Belief, cell: Cell) -> Cell:
-    steps = np.where(frontier_mask(belief), distance_field(belief, cell), UNREACHABLE)
-    row, col = np.unravel_index(int(steps.argmin()), steps.shape)
-    return int(row), int(col)

@@ -7,7 +7,7 @@ nothing is read. The header of requests and replies is that of ``rmw_cyclonedds_
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import cache
 from typing import Any
 
 from indoor_explorers.env.errors import InputError
@@ -70,7 +70,7 @@ _PLAIN = {"bool": bool, "string": str} | {
 }
 
 
-@lru_cache(maxsize=None)
+@cache
 def type_of(kind: str) -> Any:
     """Return the DDS type of a message such as ``std_msgs/msg/Bool``."""
     package, group, name = kind.split("/")
@@ -92,7 +92,8 @@ def _field(word: str) -> Any:
     kind = _PLAIN.get(inner) or type_of(inner)
     if not bracket:
         return kind
-    return types.sequence[kind] if size == "]" else types.array[kind, int(size[:-1])]
+    made: Any = types  # which mypy takes for classes without parameters
+    return made.sequence[kind] if size == "]" else made.array[kind, int(size[:-1])]
 
 
 def _zero(word: str) -> Any:

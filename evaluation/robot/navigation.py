@@ -96,7 +96,7 @@ class GoalTopic(Navigation):
             self._out.write(pose_stamped(self._frame, *self._goal))
 
     def _state(self, near: bool) -> int:
-        """Return the state of the latest goal since the last one was published; Nav2 names goals of the topic itself."""
+        """Return the state of the latest goal since the last one was published; Nav2 numbers them itself."""
         self._publish()
         known = [told for goal, told in self._states.items() if goal not in self._before]
         state = max(known)[1] if known else ACCEPTED

@@ -1,4 +1,4 @@
-"""Occupancy grids of a robot as beliefs on cells of another size: obstacles grow, and nothing becomes free by chance."""
+"""Occupancy grids of a robot as beliefs on cells of another size, conservative about obstacles."""
 
 from __future__ import annotations
 
@@ -76,6 +76,16 @@ class Occupancy:
         x, y = self.points([0, width, 0, width], [0, 0, height, height])
         return Area(float(x.min()), float(y.min()), float(x.max()), float(y.max()))
 
+    def is_within(self, frame: GridFrame) -> bool:
+        """Tell whether all known pixels are on a frame."""
+        rows, cols = np.nonzero(self.values >= 0)
+        if len(rows) == 0:
+            return True
+        left, right, low, high = cols.min(), cols.max() + 1, rows.min(), rows.max() + 1
+        x, y = self.points([left, right, left, right], [low, low, high, high])
+        x, y = (x - frame.origin[0]) / frame.resolution, (y - frame.origin[1]) / frame.resolution
+        return bool(min(x.min(), y.min()) >= 0 and x.max() <= frame.shape[1] and y.max() <= frame.shape[0])
+
 
 def yaw_of(turn: Any) -> float:
     """Return the rotation about z of a ``geometry_msgs/Quaternion``, in radians."""
@@ -133,7 +143,7 @@ def belief_on(frame: GridFrame, grid: Occupancy, radius: float) -> Belief:
     cell = frame.resolution
     if cell < grid.resolution * (1 - 1e-3):
         raise InputError(
-            f"expected cells of at least the map's {grid.resolution:g} m, got {cell:g}; choose --cell {grid.resolution:g}"
+            f"expected cells of at least the map's {grid.resolution:g} m, got {cell:g}; make --cell larger"
         )
     samples = min(max(round(cell / grid.resolution), 1), MOST_SAMPLES)
     free = _free_at(frame, grid, samples).reshape(frame.shape[0], samples, frame.shape[1], samples)

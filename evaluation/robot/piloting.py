@@ -1,4 +1,4 @@
-"""The pilot of one robot: it decides once in each cell that the robot enters, and its way leads to a goal some cells on.
+"""The pilot of one robot: it decides in each cell that the robot enters, and its way leads to a goal some cells on.
 
 A pilot that tells its path is followed along it. For one that only tells its next move, a copy of it moves on in
 thought, over the map as it is, up to the first cell beside unknown ones.
@@ -18,7 +18,7 @@ from indoor_explorers.env.grid.arrays import Belief, Cell
 from indoor_explorers.env.grid.cells import FREE, MOVES, OCCUPIED, UNKNOWN
 from indoor_explorers.env.interfaces import GridFrame, Robot
 from indoor_explorers.env.policies.view import Message
-from indoor_explorers.env.search.frontiers import on_frontier
+from indoor_explorers.evaluation.robot.reach import is_frontier
 
 #: Log-odds shown to pilots, so that they look for cells that have changed: a mapper may correct its map.
 LOG_ODDS = np.array([0.0, -100.0, 100.0], np.float32)
@@ -85,7 +85,7 @@ class Piloting:
         """Tell whether a move is the next one of the present way, which still ends beside unknown cells."""
         if cell not in self.way[:-1] or self.way[self.way.index(cell) + 1] != following:
             return False
-        return bool(on_frontier(belief, self.way[-1][0] * belief.shape[1] + self.way[-1][1]))
+        return is_frontier(belief, self.way[-1])
 
     def _imagined(self, belief: Belief, way: list[Cell]) -> list[Cell]:
         """Return a way of two cells with the moves that a copy of the pilot would make from there on."""
@@ -93,8 +93,7 @@ class Piloting:
             pilot, robot = copy.deepcopy((self.pilot, self._robot))
         except TypeError:  # a pilot that cannot be copied
             return way
-        width = belief.shape[1]
-        while len(way) <= self.ahead and not on_frontier(belief, way[-1][0] * width + way[-1][1]):
+        while len(way) <= self.ahead and not is_frontier(belief, way[-1]):
             following = moved(way[-1], self._act(pilot, robot, belief, way[-1]))
             if following in way or belief[following] != FREE:
                 break

@@ -12,10 +12,11 @@ from typing import Any
 from indoor_explorers.env import Policy
 from indoor_explorers.evaluation.robot.dds import Node, quality, taken
 from indoor_explorers.evaluation.robot.drawings import ADD, DELETE, Drawing, drawings
-from indoor_explorers.evaluation.robot.explorer import Explorer, RobotSettings, State
+from indoor_explorers.evaluation.robot.explorer import Explorer, State
 from indoor_explorers.evaluation.robot.messages import new
 from indoor_explorers.evaluation.robot.navigation import GoalAction, GoalTopic, Pose, pose_stamped
 from indoor_explorers.evaluation.robot.occupancy import yaw_of
+from indoor_explorers.evaluation.robot.settings import RobotSettings
 
 #: Seconds between two ticks, and between two publications of what changes slowly.
 TICK, TELL = 0.1, 1.0

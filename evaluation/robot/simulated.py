@@ -38,8 +38,6 @@ class Simulation:
     scenario: Scenario
     seed: int = 0
     names: tuple[str, ...] = ("",)
-    cell: float = 1.0
-    """Metres a cell of the building."""
     speed: float = 0.5
     """Metres a second."""
     shared: bool = False
@@ -179,7 +177,7 @@ def simulate(simulation: Simulation) -> None:
     task = simulation.scenario.with_settings({"team": len(simulation.names)})
     plan = draw_floorplan(task, simulation.seed)
     truth = np.pad(plan.truth, 1, constant_values=OCCUPIED)
-    frame = GridFrame(shape=truth.shape, resolution=simulation.cell)
+    frame = GridFrame(shape=truth.shape, resolution=plan.resolution or 1.0)
     starts = [(row + 1, col + 1) for row, col in draw_spawns(task, plan, simulation.seed)]
     topic = "/map" if simulation.shared else "map"
     robots = [SimulatedRobot(*each, frame, topic) for each in zip(simulation.names, starts, strict=True)]

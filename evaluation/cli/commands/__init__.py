@@ -42,6 +42,8 @@ COMMANDS = (
     Listed("leaderboard", "rank the policies of result folders by suite and scenario", "leaderboard:LEADERBOARD"),
     Listed("peer dare", "fly policies in the simulator of DARE, run from a clone of it", "peer:DARE"),
     Listed("peer ir2", "fly teams in the simulator of IR2, run from a clone of it", "peer_ir2:IR2"),
+    Listed("robot", "explore with a robot that runs ROS 2 and Nav2", "robot:ROBOT"),
+    Listed("robot simulate", "simulated robots for robot", "robot:SIMULATE"),
     Listed("tune", "search for better parameters of a policy, and say what they gain", "tuning:TUNE"),
     Listed("train", "train a learner: the DDDQN, or a baseline through another library", "training:TRAIN"),
     Listed("ablate", "train a learner without each of its ingredients, and compare", "training:ABLATE"),
