@@ -99,5 +99,5 @@ def _field(word: str) -> Any:
 def _zero(word: str) -> Any:
     inner, bracket, size = word.partition("[")
     if bracket:
-        return [] if size == "]" else [0] * int(size[:-1])
+        return [] if size == "]" else bytes(int(size[:-1]))
     return new(inner) if inner not in _PLAIN else {"bool": False, "string": ""}.get(inner, 0)

@@ -138,7 +138,7 @@ class GoalAction(Navigation):
 
 
 def _uuid(number: bytes) -> Any:
-    return new("unique_identifier_msgs/msg/UUID", uuid=list(number))
+    return new("unique_identifier_msgs/msg/UUID", uuid=number)
 
 
 def _nanoseconds(stamp: Any) -> int:

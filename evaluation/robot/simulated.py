@@ -85,10 +85,10 @@ class SimulatedRobot:
                 self._end(CANCELED)
 
     def drive(self, far: float, others: list[Point]) -> None:
-        """Drive up to ``far`` metres towards the goal, around nobody: who is in the way is waited for."""
+        """Drive up to ``far`` metres towards the goal, around others if that is possible; else they are waited for."""
         if self._goal is None:
             return
-        following = self._next_point(self._goal[1])
+        following = self._next_point(self._goal[1], others) or self._next_point(self._goal[1], [])
         if following is None:
             self._end(ABORTED)
             return
@@ -124,16 +124,19 @@ class SimulatedRobot:
             data = fine.occupancy(belief).tolist()
             self._map.write(new("nav_msgs/msg/OccupancyGrid", header=_header("map"), info=info, data=data))
 
-    def _next_point(self, goal: Point) -> Point | None:
-        """Return where to drive next on the way to a goal, in metres; None if no known way leads there."""
+    def _next_point(self, goal: Point, others: list[Point]) -> Point | None:
+        """Return where to drive next on the way to a goal around others, in metres; None if no known way leads there."""
         try:
             target = self.frame.cell(*goal)
         except InputError:
             return None
         if target == self.cell:
             return goal
-        steps = distance_field(self.belief, target)
-        if self.belief[target] != FREE or steps[self.cell] >= UNREACHABLE:
+        around = self.belief.copy()
+        for other in others:
+            around[self.frame.cell(*other)] = OCCUPIED
+        steps = distance_field(around, target)
+        if around[target] != FREE or steps[self.cell] >= UNREACHABLE:
             return None
         row, col = next(
             (row, col)
@@ -162,7 +165,7 @@ class SimulatedRobot:
                 "action_msgs/msg/GoalStatus",
                 goal_info=new(
                     "action_msgs/msg/GoalInfo",
-                    goal_id=new("unique_identifier_msgs/msg/UUID", uuid=list(number)),
+                    goal_id=new("unique_identifier_msgs/msg/UUID", uuid=number),
                     stamp=new("builtin_interfaces/msg/Time", sec=sec, nanosec=nanosec),
                 ),
                 status=state,
