@@ -125,7 +125,7 @@ class SimulatedRobot:
             self._map.write(new("nav_msgs/msg/OccupancyGrid", header=_header("map"), info=info, data=data))
 
     def _next_point(self, goal: Point, others: list[Point]) -> Point | None:
-        """Return where to drive next on the way to a goal around others, in metres; None if no known way leads there."""
+        """Return where to drive next on the way to a goal around others, in metres; None without a way."""
         try:
             target = self.frame.cell(*goal)
         except InputError:

@@ -118,7 +118,8 @@ def test_interrupting_stops_the_robot(start):
 MUTE = """
 from indoor_explorers.env import scenario
 from indoor_explorers.evaluation.robot.simulated import Simulation, simulate
-simulate(Simulation(scenario=scenario("thesis-obstacles").with_settings({"lidar.range": 5, "map.height": 11, "map.width": 11}), speed=1.0, mute=(5, 10)))
+building = scenario("thesis-obstacles").with_settings({"lidar.range": 5, "map.height": 11, "map.width": 11})
+simulate(Simulation(scenario=building, speed=1.5, mute=(5, 10)))
 """
 #: What an operator does: pause as soon as the robot explores, listen a little, and let it go on.
 OPERATOR = """
