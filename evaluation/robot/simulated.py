@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -27,6 +28,8 @@ from indoor_explorers.evaluation.robot.navigation import ABORTED, ACTION, CANCEL
 
 #: Pixels of the published map along the side of a cell of the building; goals that a status array lists.
 PIXELS, LISTED = 4, 10
+#: Percents of the free cells whose knowledge is told.
+MARKS = (10, 20, 30, 40, 50, 60, 70, 80, 90, 95, 99, 100)
 #: Seconds between two ticks and between two maps; that a robot waits for another one before it gives up its goal.
 TICK, MAP_PERIOD, WAIT = 0.05, 0.5, 6.0
 
@@ -52,8 +55,8 @@ class SimulatedRobot:
     def __init__(self, name: str, start: Cell, frame: GridFrame, map_topic: str) -> None:
         self.frame, self.place = frame, frame.point(start)
         self.belief: Belief = np.full(frame.shape, UNKNOWN, np.uint8)
-        self.scanned: Cell | None = None
-        self._yaw, self._waited = 0.0, 0.0
+        self._scanned: Cell | None = None
+        self._yaw, self._waited, self.driven = 0.0, 0.0, 0.0
         self._goal: tuple[bytes, Point] | None = None
         self._goals: list[tuple[bytes, tuple[int, int], int]] = []
         node, latched = Node(name), quality(1, latched=True)
@@ -102,9 +105,17 @@ class SimulatedRobot:
         self._waited = 0.0
         if left > 1e-9:
             share = min(far / left, 1.0)
+            self.driven += share * left
             self._yaw, self.place = math.atan2(y, x), (self.place[0] + share * x, self.place[1] + share * y)
         if math.dist(self.place, self._goal[1]) < 1e-6:
             self._end(SUCCEEDED)
+
+    def look(self, truth: Belief, task: Scenario) -> None:
+        """Scan a building from a cell that the robot has entered."""
+        if self.cell != self._scanned:
+            self._scanned = self.cell
+            seen = scan(truth, self.cell, task.lidar.range, task.lidar.model)
+            np.copyto(self.belief, seen, where=seen != UNKNOWN)
 
     def publish(self, with_map: bool) -> None:
         """Publish the robot's frames, and its map."""
@@ -175,18 +186,18 @@ class SimulatedRobot:
         self._status.write(new("action_msgs/msg/GoalStatusArray", status_list=listed))
 
 
-def simulate(simulation: Simulation) -> None:
-    """Simulate robots until interrupted."""
+def simulate(simulation: Simulation, say: Callable[[str], None]) -> None:
+    """Simulate robots until interrupted; ``say`` gets a line for each of :data:`MARKS` that they reach."""
     task = simulation.scenario.with_settings({"team": len(simulation.names)})
     plan = draw_floorplan(task, simulation.seed)
-    truth = np.pad(plan.truth, 1, constant_values=OCCUPIED)
+    truth, reachable = np.pad(plan.truth, 1, constant_values=OCCUPIED), np.pad(plan.main_part, 1)
     frame = GridFrame(shape=truth.shape, resolution=plan.resolution or 1.0)
     starts = [(row + 1, col + 1) for row, col in draw_spawns(task, plan, simulation.seed)]
     topic = "/map" if simulation.shared else "map"
     robots = [SimulatedRobot(*each, frame, topic) for each in zip(simulation.names, starts, strict=True)]
     for robot in robots if simulation.shared else ():
         robot.belief = robots[0].belief
-    begun, mapped = time.monotonic(), -math.inf
+    begun, mapped, told = time.monotonic(), -math.inf, 0
     while True:
         now = time.monotonic() - begun
         with_map = now - mapped >= MAP_PERIOD and not simulation.mute[0] <= now < simulation.mute[1]
@@ -194,11 +205,13 @@ def simulate(simulation: Simulation) -> None:
         for robot in robots:
             robot.hear()
             robot.drive(simulation.speed * TICK, [other.place for other in robots if other is not robot])
-            if robot.cell != robot.scanned:
-                robot.scanned = robot.cell
-                seen = scan(truth, robot.cell, task.lidar.range, task.lidar.model)
-                np.copyto(robot.belief, seen, where=seen != UNKNOWN)
+            robot.look(truth, task)
             robot.publish(with_map and (not simulation.shared or robot is robots[0]))
+        known = np.any([robot.belief == FREE for robot in robots], axis=0)
+        percent = max((mark for mark in MARKS if mark <= 100 * known[reachable].mean()), default=0)
+        if percent > told:
+            told = percent
+            say(f"{percent} % of the free cells known after {sum(robot.driven for robot in robots):.1f} m")
         time.sleep(TICK)
 
 

@@ -124,15 +124,15 @@ def run_simulate(options: SimulateOptions, typed: str) -> int:
     given = options.model_dump(include={"scenario", "maps", "resolution", "seed", "settings"})
     request = ComparisonRequest(policies=("random",), team=len(options.robots), episodes=1, **given)
     (scenario,) = plan(request).scenarios
-    simulate(
-        Simulation(
-            scenario=scenario,
-            seed=options.seed,
-            names=options.robots,
-            speed=options.speed,
-            shared=options.shared_map,
-        )
+    console = make_console()
+    simulation = Simulation(
+        scenario=scenario,
+        seed=options.seed,
+        names=options.robots,
+        speed=options.speed,
+        shared=options.shared_map,
     )
+    simulate(simulation, lambda line: print_line(console, line))
     return 0
 
 

@@ -14,18 +14,10 @@ from tests.documents import ROOT
 from tests.evaluation.robot.room import grid_of
 
 PACKAGE = ROOT / "evaluation" / "site" / "ros2_package"
-ROS = [
-    "rclpy",
-    "action_msgs",
-    "geometry_msgs",
-    "nav2_msgs",
-    "nav_msgs",
-    "std_msgs",
-    "tf2_ros",
-    "visualization_msgs",
-    "launch",
-    "launch_ros",
-]
+ROS = (
+    *("rclpy", "action_msgs", "geometry_msgs", "nav2_msgs", "nav_msgs", "std_msgs", "tf2_ros"),
+    *("visualization_msgs", "launch", "launch_ros"),
+)
 
 
 class Node:
