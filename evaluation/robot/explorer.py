@@ -83,7 +83,7 @@ class Explorer:
         self._asked: tuple[Cell, float] | None = None
         self._arrival: Cell | None = None
         self._entered = (-1, -1), 0.0
-        self._ended_at, self._leads_on = 0.0, False
+        self._ended_at, self._leads_on, self._instead = 0.0, False, False
         self._bare_since: float | None = None
 
     def hear_map(self, grid: Any, now: float) -> None:
@@ -228,6 +228,8 @@ class Explorer:
 
     def _is_due(self, shown: Belief, cell: Cell, now: float) -> bool:
         """Tell whether to ask the pilot now."""
+        if self._instead and self.target is not None:
+            return False
         if self._asked is None or self._asked[0] != cell:
             return True
         waited = now - self._asked[1]
@@ -242,7 +244,8 @@ class Explorer:
         assert self.piloting is not None
         self._asked = cell, now
         way = self.piloting.decide(shown, cell, self._contacts(now))
-        if len(way) == 1 and now - max(self._entered[1], self._ended_at) >= self.settings.patience:
+        self._instead = len(way) == 1 and now - max(self._entered[1], self._ended_at) >= self.settings.patience
+        if self._instead:
             way, self.note = [cell, nearest], "the policy stays; the nearest frontier instead"
             self._ended_at = now
         if way[-1] == cell:

@@ -14,9 +14,11 @@ from typing import Any
 import numpy as np
 
 from indoor_explorers.env import Briefing, Explanation, Pilot, Policy, Scenario
+from indoor_explorers.env.errors import RunError, described
 from indoor_explorers.env.grid.arrays import Belief, Cell
 from indoor_explorers.env.grid.cells import FREE, MOVES, OCCUPIED, UNKNOWN
 from indoor_explorers.env.interfaces import GridFrame, Robot
+from indoor_explorers.env.policies.policy import checked_action
 from indoor_explorers.env.policies.view import Message
 from indoor_explorers.evaluation.robot.reach import is_frontier
 
@@ -70,7 +72,7 @@ class Piloting:
         for agent, place, message in contacts:
             self._robot.hear(agent, self.frame.point(place), message)
         action = self._act(self.pilot, self._robot, belief, cell)
-        following = moved(cell, action)
+        following = moved(belief, cell, action)
         told = self.pilot.explain()
         path = list(told.path) if told is not None else []
         if len(path) > 2 and path[:2] == [cell, following]:
@@ -94,8 +96,8 @@ class Piloting:
         except TypeError:  # a pilot that cannot be copied
             return way
         while len(way) <= self.ahead and not is_frontier(belief, way[-1]):
-            following = moved(way[-1], self._act(pilot, robot, belief, way[-1]))
-            if following in way or belief[following] != FREE:
+            following = moved(belief, way[-1], self._act(pilot, robot, belief, way[-1]))
+            if following in way:
                 break
             way.append(following)
         return way
@@ -103,13 +105,17 @@ class Piloting:
     def _act(self, pilot: Pilot, robot: Robot, belief: Belief, cell: Cell) -> int:
         grid = robot.frame.occupancy(belief).reshape(belief.shape)
         view = robot.view(grid, robot.frame.point(cell))
-        return int(self.policy.act([pilot], [view._replace(log_odds=LOG_ODDS[view.belief])])[0])
+        try:
+            return checked_action(self.policy.act([pilot], [view._replace(log_odds=LOG_ODDS[view.belief])])[0])
+        except Exception as error:
+            raise RunError(f"the policy failed at step {view.step}: {described(error)}") from error
 
 
-def moved(cell: Cell, action: int) -> Cell:
-    """Return the cell that an action leads to; other actions than moves stay."""
-    row, col = MOVES[action].tolist() if action < len(MOVES) else (0, 0)
-    return cell[0] + row, cell[1] + col
+def moved(belief: Belief, cell: Cell, action: int) -> Cell:
+    """Return the cell that an action leads to on a (H, W) belief: the cell itself if the other one is not free."""
+    row, col = (MOVES[action] + cell).tolist()
+    inside = 0 <= row < belief.shape[0] and 0 <= col < belief.shape[1]
+    return (row, col) if inside and belief[row, col] == FREE else cell
 
 
 def without(belief: Belief, places: Iterable[Cell], reach: int, own: Cell) -> Belief:

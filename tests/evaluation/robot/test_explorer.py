@@ -1,9 +1,12 @@
 """The explorer of one robot, in a building without a transport."""
 
+from dataclasses import dataclass
+
 import numpy as np
 import pytest
 
-from indoor_explorers.env import UNKNOWN, InputError, make_policy
+from indoor_explorers.env import UNKNOWN, Action, InputError, Pilot, Policy, make_policy
+from indoor_explorers.env.errors import RunError
 from indoor_explorers.evaluation.robot.bans import MOST_STRIKES, Bans
 from indoor_explorers.evaluation.robot.drawings import drawings
 from indoor_explorers.evaluation.robot.explorer import Explorer, State
@@ -218,6 +221,42 @@ def test_bans_end_are_lifted_and_become_final():
     assert bans.given_up == 1
     assert not bans.lift(23.0)
     assert bans.active(99.0) == [(0.0, 0.0)]
+
+
+@dataclass(frozen=True)
+class Given(Policy):
+    """Make one action, or fail."""
+
+    action: object = Action.STAY
+
+    def pilot(self, briefing):
+        return GivenPilot(self.action)
+
+
+class GivenPilot(Pilot):
+    def __init__(self, action):
+        self.action = action
+
+    def act(self, view):
+        return self.action
+
+
+def test_where_the_policy_stays_for_long_the_nearest_frontier_is_the_goal():
+    room, explorer = Room(ROOMS, START), Explorer(Given(), explorer_of(patience=10.0).settings)
+    room.explore(explorer)
+    assert explorer.state is State.DONE
+    assert len(room.goals) > 3
+
+
+def test_a_policy_that_drives_into_a_wall_stays_and_one_that_fails_is_told_in_a_line():
+    room, explorer = Room(ROOMS, START), Explorer(Given(Action.UP), explorer_of().settings)
+    room.tell(explorer, 0.0)
+    assert explorer.tick(0.0) is None
+    explorer = Explorer(Given("up"), explorer_of().settings)
+    room.tell(explorer, 0.0)
+    with pytest.raises(RunError, match="the policy failed at step 0") as caught:
+        explorer.tick(0.0)
+    assert "\n" not in str(caught.value)
 
 
 @pytest.mark.parametrize(
