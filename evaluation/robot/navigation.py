@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import secrets
+import time
 from abc import ABC, abstractmethod
 from typing import Any
 
@@ -20,6 +21,8 @@ ACTION = "navigate_to_pose/_action/"
 ACCEPTED, EXECUTING, CANCELING, SUCCEEDED, CANCELED, ABORTED = range(1, 7)
 #: Metres from a goal within which it counts as reached where nothing says how the goal has ended.
 TOLERANCE = 0.3
+#: Seconds after a goal on the topic in which states may still be those of the goal before.
+SETTLED = 1.0
 
 Pose = tuple[float, float, float]
 
@@ -77,7 +80,7 @@ class GoalTopic(Navigation):
         super().__init__(node, frame)
         self._out = node.writer("geometry_msgs/msg/PoseStamped", "goal_pose", quality(1))
         self._before: set[bytes] = set()
-        self._unsent = False
+        self._unsent, self._sent_at = False, 0.0
 
     def send(self, goal: Goal) -> None:
         """Publish a goal; that of a robot whose navigation has not started is published when it has."""
@@ -92,7 +95,7 @@ class GoalTopic(Navigation):
 
     def _publish(self) -> None:
         if self._unsent and self._goal is not None and self._out.get_matched_subscriptions():
-            self._unsent = False
+            self._unsent, self._sent_at = False, time.monotonic()
             self._out.write(pose_stamped(self._frame, *self._goal))
 
     def _state(self, near: bool) -> int:
@@ -100,7 +103,8 @@ class GoalTopic(Navigation):
         self._publish()
         known = [told for goal, told in self._states.items() if goal not in self._before]
         state = max(known)[1] if known else ACCEPTED
-        return SUCCEEDED if near else ACCEPTED if state == SUCCEEDED else state
+        early = time.monotonic() - self._sent_at < SETTLED
+        return SUCCEEDED if near else ACCEPTED if early else state
 
 
 class GoalAction(Navigation):
