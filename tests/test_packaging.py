@@ -17,16 +17,17 @@ from packaging.specifiers import SpecifierSet
 
 ROOT = Path(__file__).resolve().parent.parent
 FLOORS = ("env", "planners", "learners", "evaluation")
-#: What wheels do not hold: figures of documents, and what the site is made of.
-DOCUMENTATION = ("indoor_explorers/learners/figures/", "indoor_explorers/evaluation/site/")
-FIGURES, SITE = ROOT / "learners" / "figures", ROOT / "evaluation" / "site"
+#: What wheels do not hold: figures of documents, what the site is made of, and what is said of the project elsewhere.
+OUTSIDE = (ROOT / "learners" / "figures", ROOT / "evaluation" / "site", ROOT / "evaluation" / "paper")
+DOCUMENTATION = tuple(f"indoor_explorers/{folder.relative_to(ROOT).as_posix()}/" for folder in OUTSIDE)
+SITE = OUTSIDE[1]
 
 
 def tracked():
     """The files of the packages that git holds."""
     listed = subprocess.run(["git", "ls-files", *FLOORS], cwd=ROOT, capture_output=True, text=True, check=True)
     paths = {ROOT / name for name in listed.stdout.splitlines()}
-    return {path for path in paths if FIGURES not in path.parents and SITE not in path.parents}
+    return {path for path in paths if not set(OUTSIDE) & set(path.parents)}
 
 
 @pytest.fixture(scope="module")

@@ -79,6 +79,10 @@ class DddqnPlaces(EstimateUser, Policy):
     trained by policy iteration with double and dueling estimates
     (:mod:`indoor_explorers.learners.places.learning`). Only the draws of deadlocks between UAVs are random.
 
+    Double estimation: H. van Hasselt, "Double Q-learning", NeurIPS 2010; dueling networks: Wang et al. 2016,
+    arXiv:1511.06581; advantages: Schulman et al. 2016, arXiv:1506.02438, and Pan et al. 2022, arXiv:2109.06093; layers
+    for sets: Zaheer et al. 2017, arXiv:1703.06114; the mean of weights: Izmailov et al. 2018, arXiv:1803.05407.
+
     Raises:
         InputError: ``weights`` is missing or not a file of this network.
 

@@ -25,7 +25,8 @@ class DddqnThesis(RecordedWeights, Policy):
     """Explore with the DDDQN of the IndoorExplorers thesis: its network, its image of the map, greedily.
 
     It makes the move of highest value, also into walls, as in the thesis. On maps larger than the training maps it
-    sees a window of their size around the UAV.
+    sees a window of their size around the UAV. What the thesis built on: Mnih et al. 2015, doi:10.1038/nature14236; van
+    Hasselt, Guez and Silver 2016, arXiv:1509.06461; Wang et al. 2016, arXiv:1511.06581.
 
     Raises:
         InputError: ``weights`` is missing or not a file of this network.

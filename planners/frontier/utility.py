@@ -26,7 +26,7 @@ Form = Literal["size", "difference", "discounted"]
 class FrontierUtility(SwitchCostParameters, Policy):
     """Fly to the frontier cluster with the best score of gain against path length d; R is the lidar range.
 
-    ``size`` is s - c d, s the cluster's number of cells: explore_lite's rule (J. Hoerner, "Map-merging for multi-robot
+    ``size`` is s - c d, s the cluster's number of cells: explore_lite's rule (J. Hörner, "Map-merging for multi-robot
     system", Charles University 2016). ``difference`` is g - c R d and ``discounted`` g exp(-c d / R), g the number of
     unknown cells in view: H. H. Gonzalez-Banos, J.-C. Latombe, "Navigation strategies for exploring indoor
     environments", IJRR 21, 2002, doi:10.1177/0278364902021010834. Teams take the clusters in turn as in

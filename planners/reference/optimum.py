@@ -55,6 +55,10 @@ class Optimum(Parameters, Policy):
 
     The effort counts expanded states, not seconds, so that every machine finds the same routes: some 0.2 s in a room of
     the thesis for one UAV, one to ten seconds for two.
+
+    The watchman route problem on grids: S. Seiref, T. Jaffey, M. Lopatin, A. Felner, ICAPS 2020,
+    doi:10.1609/icaps.v30i1.6668; S. Skyler, D. Atzmon, T. Yaffe, A. Felner, JAIR 75, 2022, doi:10.1613/jair.1.13685;
+    for several UAVs S. Gouru, A. Felner, J. Li, arXiv:2604.15610. The bound and the search are this project's.
     """
 
     privileged: ClassVar[bool] = True

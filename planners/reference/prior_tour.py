@@ -53,7 +53,8 @@ class PriorTour(Parameters, Policy):
 
     A tour over what is known of the layout, and frontiers where that ends, are those of S. Oßwald, M. Bennewitz,
     W. Burgard, C. Stachniss, "Speeding-up robot exploration by exploiting background information", IEEE RA-L 1(2),
-    2016; there the layout is a graph of rooms, for one robot.
+    2016, doi:10.1109/LRA.2016.2520560; there the layout is a graph of rooms, for one robot. The routes are annealed:
+    S. Kirkpatrick et al., Science 220, 1983, doi:10.1126/science.220.4598.671.
     """
 
     plans_for: ClassVar[str] = "its aim, 99 % of a prior map by default, then all cells"

@@ -26,6 +26,9 @@ class Reference(Parameters, Policy):
 
     The search is made once an episode, at its first step. Its budget counts changes and words, not seconds, so that
     every machine finds the same routes: some 0.1 s in 16x16 rooms, and one second on floors of 1,600 to 6,000 cells.
+
+    S. Kirkpatrick, C. D. Gelatt, M. P. Vecchi, "Optimization by simulated annealing", Science 220, 1983,
+    doi:10.1126/science.220.4598.671.
     """
 
     privileged: ClassVar[bool] = True

@@ -25,6 +25,8 @@ class RrtPredictive(EstimateUser, RrtFrontier):
     A network estimates from the map around each frontier cluster how much unknown free space is behind it
     (:mod:`indoor_explorers.planners.toolbox.pockets`); a cell that a tree has found has the outlook of the nearest
     cluster (:mod:`indoor_explorers.planners.toolbox.information.candidate_outlook`).
+
+    The trees: H. Umari, S. Mukhopadhyay, IROS 2017, doi:10.1109/IROS.2017.8202319. The estimates are this project's.
     """
 
     def __post_init__(self) -> None:

@@ -25,6 +25,8 @@ class PsoPredictive(EstimateUser, Pso):
     A network estimates from the map around each frontier cluster how much unknown free space is behind it
     (:mod:`indoor_explorers.planners.toolbox.pockets`); a candidate has the outlook of the nearest cluster
     (:mod:`indoor_explorers.planners.toolbox.information.candidate_outlook`).
+
+    The swarm: J. Kennedy, R. Eberhart, ICNN 1995, doi:10.1109/ICNN.1995.488968. The estimates are this project's.
     """
 
     def pilot(self, briefing: Briefing) -> Pilot:
