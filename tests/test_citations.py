@@ -1,4 +1,4 @@
-"""What is cited is listed and what is listed is cited: the papers of the policies, and those of the project's own paper."""
+"""What is cited is listed and what is listed is cited: papers of the policies, and those of the project's own paper."""
 
 import pytest
 

@@ -42,8 +42,8 @@ class FrontierLatency(PlaceParameters, Policy):
     doi:10.1177/0278364902021010834, with g in cells, near and isolated ones weighted more). The order of these
     viewpoints minimises a travelling repairman's cost: the time at which the last one is reached, plus ``latency``
     times the mean waiting time weighted by gains. It is computed again when the map has changed; an order that
-    begins elsewhere must save ``switch_cost``. Paths are the straightest of the shortest ones. The repairman's problem is
-    that of A. Blum et al., "The minimum latency problem", STOC 1994, doi:10.1145/195058.195125.
+    begins elsewhere must save ``switch_cost``. Paths are the straightest of the shortest ones. The repairman's problem:
+    A. Blum et al., "The minimum latency problem", STOC 1994, doi:10.1145/195058.195125.
     """
 
     plans_for: ClassVar[str] = ALL_CELLS
