@@ -1,6 +1,9 @@
 """What is cited is listed and what is listed is cited: papers of the policies, and those of the project's own paper."""
 
+import re
+
 import pytest
+import yaml
 
 from tests.bibliography import docstrings, entries, numbers, plain
 from tests.documents import ROOT
@@ -49,3 +52,41 @@ def test_entries_have_author_title_year_and_venue(name):
 
 def test_every_policy_but_two_is_from_a_paper():
     assert set(docstrings()) - {policy for entry in METHODS.values() for policy in policies_of(entry)} == OWN
+
+
+def test_the_paper_has_its_sections_and_a_length_that_the_journal_takes():
+    header, text = paper()
+    assert header.keys() >= {"title", "tags", "authors", "affiliations", "date", "bibliography"}
+    assert {str(author["affiliation"]) for author in header["authors"]} <= {
+        str(each["index"]) for each in header["affiliations"]
+    }
+    assert re.findall(r"^# (.+)$", text, re.MULTILINE) == [
+        *("Summary", "Statement of need", "State of the field", "What it does", "Research use"),
+        *("Acknowledgements", "References"),
+    ]
+    assert 750 <= len(re.sub(r"^#.*$|!\[[^\]]*\]\([^)]*\)|\[@[^\]]*\]", "", text, flags=re.MULTILINE).split()) <= 1000
+
+
+def test_the_paper_cites_its_bibliography_and_shows_a_figure_that_exists():
+    header, text = paper()
+    assert set(re.findall(r"@(\w+)", text)) == set(entries(PAPER / header["bibliography"]))
+    ((figure, label),) = [
+        (target, re.search(r"\\label\{(.+?)\}", caption)[1])
+        for caption, target in re.findall(r"!\[([^\]]*(?:\[[^\]]*\][^\]]*)*)\]\(([^)]*)\)", text)
+    ]
+    assert (PAPER / figure).is_file()
+    assert rf"\autoref{{{label}}}" in text
+
+
+def test_every_figure_of_the_paper_stands_in_the_results():
+    _, text = paper()
+    results = " ".join((ROOT / name).read_text("utf-8") for name in ("README.md", "evaluation/site/pages/results.md"))
+    used = re.findall(r"\d\.\d{3}|\d+ %(?! and| cov)", " ".join(text.split("# Research use")[1].split()))
+    assert len(used) > 5
+    assert [number for number in used if number not in results] == []
+
+
+def paper():
+    """The header of the paper, and its text."""
+    _, header, text = (PAPER / "paper.md").read_text("utf-8").split("---\n", 2)
+    return yaml.safe_load(header), text
