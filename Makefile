@@ -7,6 +7,7 @@
 # make docs      write the documentation to results/site; a dead link fails. Flies the experiment families with EPISODES=2
 #                on each map, once: some four minutes on two cores. EPISODES=30, as published: much longer.
 #                With DATA=FOLDER also the reports of the suites on the maps that are cloned there
+# make dataset   write the episodes of RESULTS="results/a results/b" to OUT: Parquet, a data card, SHA-256 sums
 # make dist      build wheel and sdist in dist/, and try the wheel in a fresh environment
 # make browser   have a Chromium for the tests of the report page, where Debian's can be installed
 
@@ -31,7 +32,7 @@ print(*(home for home in homes if home.resolve() != pathlib.Path.cwd().resolve()
 endef
 export OTHER_CLONE
 
-.PHONY: compare compare-full test test-all lint warm-up stress soak docs dist browser clean own-venv
+.PHONY: compare compare-full test test-all lint warm-up stress soak docs dataset dist browser clean own-venv
 
 compare: $(VENV)/.installed-compare
 	$(RUN)/indoor-explorers compare --experiment evaluation/experiments/quick.toml --out $(OUT)
@@ -63,6 +64,11 @@ soak: $(VENV)/.installed-test
 docs: $(VENV)/.installed-test
 	INDOOR_EXPLORERS_SITE_EPISODES="$(EPISODES)" INDOOR_EXPLORERS_SITE_DATA="$(DATA)" NO_MKDOCS_2_WARNING=1 $(RUN)/python -P -m mkdocs build --quiet --config-file evaluation/site/mkdocs.yml
 	@echo "Documentation: results/site/index.html"
+
+dataset: $(VENV)/.installed-dataset
+	@test -n "$(RESULTS)" || { echo 'expected RESULTS="DIR ...", folders written by compare, got none'; exit 2; }
+	$(RUN)/python -P -m indoor_explorers.evaluation.exports.dataset $(RESULTS) --out $(OUT)
+	@echo "Dataset: $(OUT)/datacard.md"
 
 dist: $(VENV)/.installed-test
 	rm -rf dist
@@ -96,6 +102,10 @@ $(VENV)/.installed-compare: pyproject.toml constraints.txt | own-venv
 $(VENV)/.installed-test: pyproject.toml constraints.txt | own-venv
 	$(RUN)/python -m pip install --quiet --constraint constraints.txt --editable ".[dev]"
 	touch $@ $(VENV)/.installed-compare
+
+$(VENV)/.installed-dataset: pyproject.toml constraints.txt | own-venv
+	$(RUN)/python -m pip install --quiet --constraint constraints.txt --editable ".[dataset]"
+	touch $@
 
 clean:
 	rm -rf $(VENV) build dist *.egg-info results

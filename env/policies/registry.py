@@ -37,6 +37,7 @@ EXTRAS = {
     "stable_baselines3": "sb3",
     "sb3_contrib": "sb3",
     "ray": "ray",
+    "pyarrow": "dataset",
 }
 #: What else to say of a module that is missing.
 WITHOUT_WHEELS = {"ompl": "OMPL has wheels for Python up to 3.13, on Linux and on macOS 15 and newer"}

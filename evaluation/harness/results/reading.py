@@ -101,6 +101,12 @@ class StoreReader:
         flown = "SELECT id, facts FROM run WHERE id IN (SELECT run FROM episode) ORDER BY id"
         return [self._facts(facts, f"run {number}") for number, facts in self._rows(flown)]
 
+    def runs_of_episodes(self) -> dict[tuple[str, Task], dict[str, Any]]:
+        """Return the facts of the run that flew each episode, by policy and task."""
+        facts = {number: self._facts(text, f"run {number}") for number, text in self._rows("SELECT id, facts FROM run")}
+        rows = self._rows("SELECT policy, scenario, map_index, seed, run FROM episode")
+        return {(policy, Task(*task)): facts[run] for policy, *task, run in rows}
+
     def experiment(self) -> str:
         """Return one experiment in TOML for all runs, empty without a run."""
         texts = [text for (text,) in self._rows("SELECT experiment FROM run ORDER BY id")]
