@@ -1,6 +1,8 @@
 """What is cited is listed and what is listed is cited: papers of the policies, and those of the project's own paper."""
 
+import json
 import re
+import tomllib
 
 import pytest
 import yaml
@@ -90,3 +92,24 @@ def paper():
     """The header of the paper, and its text."""
     _, header, text = (PAPER / "paper.md").read_text("utf-8").split("---\n", 2)
     return yaml.safe_load(header), text
+
+
+def test_zenodo_is_told_what_stands_in_the_citation_and_the_package():
+    told = json.loads((ROOT / ".zenodo.json").read_text("utf-8"))
+    cited = yaml.safe_load((ROOT / "CITATION.cff").read_text("utf-8"))
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    for field in ("title", "license", "version", "keywords"):
+        assert told[field] == cited[field], field
+    assert told["description"] == cited["abstract"]
+    assert told["creators"] == cited["authors"] == project["authors"]
+    assert told["upload_type"] == cited["type"] == "software"
+    assert (told["license"], told["version"]) == (project["license"], project["version"])
+
+
+def test_listings_name_the_versions_that_are_tested_with_and_more_policies_than_they_say():
+    text = (PAPER / "LISTINGS.md").read_text("utf-8")
+    pinned = dict(line.split("==") for line in (ROOT / "constraints.txt").read_text().splitlines() if "==" in line)
+    badges = dict(re.findall(r"badge/(\w+)-v([\d.]+)-blue", text))
+    assert badges == {"Gymnasium": pinned["gymnasium"], "PettingZoo": pinned["pettingzoo"]}
+    assert text.count("more than thirty") + text.count("More than thirty") == 2
+    assert len(docstrings()) > 30
