@@ -89,7 +89,7 @@ DRAWN = (
     thesis_changes_pictures,
 )
 #: Files that are no pages, which the site has a copy of: pictures and short texts.
-COPIED = (".svg", ".png", ".gif", ".cff", ".bib", ".csv", ".json", ".toml", ".py", "LICENSE")
+COPIED = (".svg", ".png", ".gif", ".cff", ".bib", ".ipynb", ".csv", ".json", ".toml", ".py", "LICENSE")
 _LINK = re.compile(r"\[([^\[\]]*)\]\((?!https?:|mailto:)([^)#\s]+)(#[^)\s]*)?\)")
 _CODE = re.compile(r"(^```.*?^```$|^ {4}[^\n]*$)", re.MULTILINE | re.DOTALL)
 

@@ -77,9 +77,9 @@ def _sources(module: ModuleType) -> Iterator[tuple[str, Path]]:
             for file in sorted(folder.rglob("*.py")):
                 yield f"{module.__name__}/{file.relative_to(folder).as_posix()}", file
         return
-    if not module.__file__:
+    if not (source := getattr(module, "__file__", None)):  # a notebook and an interactive session have none
         return
-    own = Path(module.__file__)
+    own = Path(source)
     yield own.name, own
     for name, other in sorted(sys.modules.items()):
         file = Path(getattr(other, "__file__", None) or ".")

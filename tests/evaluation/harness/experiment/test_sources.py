@@ -4,6 +4,7 @@ import re
 import sys
 from dataclasses import dataclass
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
@@ -173,3 +174,12 @@ def test_failures_tell_file_and_line_and_who_called(tmp_path, capfd, monkeypatch
     traceback = capfd.readouterr().err
     assert traceback.startswith("Traceback (most recent call last):\n")
     assert "in _looked_up\n" in traceback
+
+
+def test_a_policy_of_a_notebook_has_no_files(monkeypatch):
+    """Its module, ``__main__``, is of no file, and has no attribute for one."""
+    cell = ModuleType("cell_of_a_notebook")
+    exec("from indoor_explorers.env import Policy\nclass P(Policy):\n    def pilot(self, briefing): ...", vars(cell))
+    monkeypatch.setitem(sys.modules, cell.__name__, cell)
+    assert not hasattr(cell, "__file__")
+    assert outside_files(cell.P(), "cell_of_a_notebook:P") == {}
