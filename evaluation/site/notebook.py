@@ -45,7 +45,7 @@ print(f"{world.team_coverage[0]:.1%} of the free cells known after {steps} steps
 ## A planner of your own
 
 A policy is what all UAVs share, a pilot flies one of them. It sees its own map, its cell and the legal moves, never
-the true map. This one flies to an unvisited neighbouring cell, and anywhere if there is none.
+the true map. This one flies to the neighbouring cell that it has visited least.
 """,
     """\
 from dataclasses import dataclass
@@ -86,9 +86,7 @@ all cores, is kept from the true map, and is not flown twice: `indoor-explorers 
 from indoor_explorers.evaluation import compare
 
 policies = ["random", "frontier-nearest", "__main__:Novelty"]
-table = compare(
-    "results/first", policies=policies, scenario="thesis-obstacles", episodes=10, workers=0, fresh=True
-)
+table = compare("results/first", policies=policies, scenario="thesis-obstacles", episodes=10, workers=0, fresh=True)
 print(len(table), "rows:", ", ".join(table.columns))
 """,
     """\
