@@ -29,6 +29,7 @@ from indoor_explorers.evaluation.site.pictures.statistics import statistics_pict
 from indoor_explorers.evaluation.site.pictures.tabular import tabular_pictures
 from indoor_explorers.evaluation.site.pictures.thesis import thesis_pictures
 from indoor_explorers.evaluation.site.pictures.thesis_changes import thesis_changes_pictures
+from indoor_explorers.evaluation.site.pictures.which_planner import which_planner_pictures
 from indoor_explorers.evaluation.site.published import experiments, published, reports_page, suites
 from indoor_explorers.evaluation.site.reference import (
     command_line_page,
@@ -87,6 +88,7 @@ DRAWN = (
     tabular_pictures,
     thesis_pictures,
     thesis_changes_pictures,
+    which_planner_pictures,
 )
 #: Files that are no pages, which the site has a copy of: pictures and short texts.
 COPIED = (".svg", ".png", ".gif", ".cff", ".bib", ".ipynb", ".csv", ".json", ".toml", ".py", "LICENSE")
