@@ -22,7 +22,7 @@ from indoor_explorers.evaluation.site.gallery import example_report
 #: What the numbers stand beside: those of the guide's list. The last one stands after a text, the others before theirs.
 READ = (".headline", ".glance", ".league tbody", ".caveats", ".league thead a")
 #: Pixels of the window.
-WINDOW = {"width": 1120, "height": 1000}
+WIDTH, HEIGHT = 1120, 1000
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 #: Draws a number beside the first element of each selector within the overview.
 MARK = """(selectors) => selectors.forEach((selector, k) => {
@@ -41,7 +41,7 @@ def marked(page: Any) -> bytes:
     """Number what is read first in an open report, and return the PNG file of its overview."""
     page.evaluate(MARK, list(READ))
     bottom = page.evaluate("document.querySelector('#overview').getBoundingClientRect().bottom")
-    clip = {"x": 0, "y": 0, "width": WINDOW["width"], "height": bottom}
+    clip = {"x": 0, "y": 0, "width": WIDTH, "height": bottom}
     shot = Image.open(io.BytesIO(page.screenshot(clip=clip))).convert("RGB")
     file = io.BytesIO()
     shot.quantize(256, dither=Image.Dither.NONE).save(file, format="PNG", optimize=True)
@@ -57,7 +57,7 @@ def main(target: Path) -> None:
         report.write_bytes(example_report())
         found = next(filter(None, map(shutil.which, BROWSERS)))
         browser = driver.chromium.launch(executable_path=found, chromium_sandbox=False)
-        page = browser.new_page(viewport=WINDOW, color_scheme="light")
+        page = browser.new_page(viewport={"width": WIDTH, "height": HEIGHT}, color_scheme="light")
         page.goto(report.as_uri())
         page.wait_for_selector(".league tfoot svg")
         target.write_bytes(marked(page))
