@@ -166,10 +166,18 @@ def explore(
     """Explore until no frontier is left, or with ``stay`` until interrupted; ``say`` gets a line for each new state."""
     explorer = Explorer(policy, settings)
     link = Link(explorer, wiring)
-    said = ""
-    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    said, interrupted = "", False
+
+    def interrupt(*_: object) -> None:
+        nonlocal interrupted
+        interrupted = True
+        raise KeyboardInterrupt
+
+    before = {number: signal.signal(number, interrupt) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
         while stay or explorer.state is not State.DONE:
+            if interrupted:  # what is raised in a callback of a library is lost
+                raise KeyboardInterrupt
             link.step(time.monotonic())
             if explorer.status != said:
                 said = explorer.status
@@ -177,7 +185,8 @@ def explore(
             time.sleep(TICK)
         time.sleep(TELL)  # for those who read the last state
     finally:
-        signal.signal(signal.SIGTERM, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
         if explorer.target is not None:
             link.stop()
             time.sleep(TICK)

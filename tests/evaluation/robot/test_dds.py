@@ -63,7 +63,7 @@ class Process:
 
     def end(self, how=signal.SIGKILL):
         self.child.send_signal(how)
-        return self.child.wait(20)
+        return self.child.wait(60)
 
 
 @pytest.fixture
