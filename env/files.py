@@ -65,6 +65,12 @@ def written_whole(path: Path) -> Iterator[Path]:
             partial.unlink(missing_ok=True)
 
 
+def write_whole(path: Path, text: str) -> None:
+    """Write a text file as :func:`written_whole` does, in UTF-8 with the line ends of ``text``."""
+    with written_whole(path) as partial:
+        partial.write_text(text, encoding="utf-8", newline="\n")
+
+
 def _is_special(path: Path) -> bool:
     """Tell whether a path is neither file nor folder; raises ``OSError`` for circular links."""
     try:

@@ -23,8 +23,16 @@ from indoor_explorers.env.policies.view import Mate, Message, View, message_numb
 OCCUPANCY = np.array([-1, 0, 100], np.int8)
 #: Occupancies in percent: up to the first a cell is free, from the second on occupied, as Nav2's map server has it.
 FREE_UP_TO, OCCUPIED_FROM = 25, 65
+#: Kinds of a ``visualization_msgs/Marker``, and what is to become of one.
+CUBE, SPHERE, LINE_STRIP, LINE_LIST, CUBE_LIST, SPHERE_LIST, TEXT = 1, 2, 4, 5, 6, 7, 9
+ADD, DELETE, DELETE_ALL = 0, 2, 3
 #: Tolerance, as a share of a cell, of the alignment of a grid with the cells of its frame.
 NEARLY = 0.02
+
+
+def quaternion_of(yaw: float) -> tuple[float, float, float, float]:
+    """Return a rotation about z in radians as (x, y, z, w) of a ``geometry_msgs/Quaternion``."""
+    return 0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2)
 
 
 class Goal(NamedTuple):
@@ -40,7 +48,7 @@ class Goal(NamedTuple):
     @property
     def quaternion(self) -> tuple[float, float, float, float]:
         """The yaw as (x, y, z, w) of a ``geometry_msgs/Quaternion``."""
-        return 0.0, 0.0, math.sin(self.yaw / 2), math.cos(self.yaw / 2)
+        return quaternion_of(self.yaw)
 
 
 @dataclass(frozen=True, kw_only=True)

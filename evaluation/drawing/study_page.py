@@ -8,12 +8,12 @@ from typing import Any
 
 from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 
-from indoor_explorers.env.files import written_whole
+from indoor_explorers.env.files import write_whole
 from indoor_explorers.evaluation.drawing.formatting import percent
 
 
 def write_study_page(package: str, path: Path, folder: Path, /, **context: Any) -> None:
-    """Write a page from ``page.html`` of a package, which includes ``study.css``.
+    """Write a page from ``page.html`` of a package, which extends ``study.html``.
 
     In it ``picture("name")`` is the PNG of that name in ``folder``, and ``share|percent`` whole percents.
     """
@@ -28,8 +28,7 @@ def write_study_page(package: str, path: Path, folder: Path, /, **context: Any) 
     text = environment.get_template("page.html").render(
         picture=lambda stem: _embedded(folder / f"{stem}.png"), **context
     )
-    with written_whole(path) as partial:
-        partial.write_text(text, encoding="utf-8", newline="\n")
+    write_whole(path, text)
 
 
 def _embedded(path: Path) -> str:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from indoor_explorers.env.files import written_whole
+from indoor_explorers.env.files import write_whole
 from indoor_explorers.evaluation.analysis.best_planner import against_best_planner, write_best_planner
 from indoor_explorers.evaluation.analysis.comparison import Comparison
 from indoor_explorers.evaluation.analysis.reproduce import experiment_files
@@ -48,7 +48,6 @@ def write_exports(results: Results, folder: Path, *, ratio_to: Sequence[str] | N
     texts |= {tables / "results.md": markdown_tables(shown), tables / "results.tex": latex_tables(shown)}
     texts |= {tables / "ratios.md": markdown_ratios(ratios, best)}
     for path, text in texts.items():
-        with written_whole(path) as partial:
-            partial.write_text(text, encoding="utf-8", newline="\n")
+        write_whole(path, text)
     write_planner_arena(results, folder / "planner-arena.db")
     write_figures(results, folder / "figures", best)

@@ -16,8 +16,9 @@ from typing import Any
 import pandas as pd
 
 from indoor_explorers.env import InputError
-from indoor_explorers.env.files import expanded, writable, written_whole
+from indoor_explorers.env.files import expanded, writable, write_whole, written_whole
 from indoor_explorers.env.policies.registry import missing_module
+from indoor_explorers.evaluation.exports.markdown import line
 from indoor_explorers.evaluation.harness.episodes.metrics import MEASURES, TIMES
 from indoor_explorers.evaluation.harness.results.reading import StoreReader
 from indoor_explorers.evaluation.harness.results.results import Results
@@ -94,9 +95,9 @@ def write_dataset(folders: Sequence[Path], out: Path) -> Path:
         out.mkdir(parents=True, exist_ok=True)
         with written_whole(out / EPISODES) as partial:
             _write_parquet(table, partial)
-        _write_text(out / CARD, data_card(table))
+        write_whole(out / CARD, data_card(table))
         sums = (f"{hashlib.sha256((out / name).read_bytes()).hexdigest()}  {name}\n" for name in (CARD, EPISODES))
-        _write_text(out / SUMS, "".join(sums))
+        write_whole(out / SUMS, "".join(sums))
     return out
 
 
@@ -152,11 +153,6 @@ def _write_parquet(table: pd.DataFrame, path: Path) -> None:
     pq.write_table(pa.Table.from_pandas(table, preserve_index=False), path)
 
 
-def _write_text(path: Path, text: str) -> None:
-    with written_whole(path) as partial:
-        partial.write_text(text, encoding="utf-8", newline="\n")
-
-
 def _column(name: str, kind: str) -> list[str]:
     """Return the row of a column in the data card; statistics that a pilot counts have no unit."""
     measure = MEASURES.get(name)
@@ -172,9 +168,9 @@ def _items(table: pd.DataFrame) -> Iterator[tuple[Any, list[Any]]]:
 
 def _section(title: str, heads: Sequence[str], rows: Iterator[Sequence[Any]]) -> Iterator[str]:
     """Yield the lines of a heading and a table in Markdown."""
-    yield from (f"## {title}", "", f"| {' | '.join(heads)} |", "|" + "---|" * len(heads))
+    yield from (f"## {title}", "", line(heads), "|" + "---|" * len(heads))
     for row in rows:
-        yield "| " + " | ".join(str(cell).replace("|", "\\|").replace("\n", " ") for cell in row) + " |"
+        yield line(str(cell).replace("|", "\\|").replace("\n", " ") for cell in row)
     yield ""
 
 

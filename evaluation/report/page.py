@@ -18,7 +18,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
-from indoor_explorers.env.files import written_whole
+from indoor_explorers.env.files import write_whole
 from indoor_explorers.evaluation.analysis.against import Against
 from indoor_explorers.evaluation.analysis.best_planner import against_best_planner
 from indoor_explorers.evaluation.analysis.comparison import Comparison
@@ -79,8 +79,8 @@ def write_report(
     parts = {} if whole or page.size <= WHOLE else dict(page.parts(f"{path.stem}{BESIDE}"))
     for name, text in parts.items():
         (path.parent / name).parent.mkdir(exist_ok=True)
-        _write(path.parent / name, text)
-    _write(path, page.text(list(parts)))
+        write_whole(path.parent / name, text)
+    write_whole(path, page.text(list(parts)))
     remove_parts(path, kept=parts)
 
 
@@ -92,11 +92,6 @@ def remove_parts(path: Path, *, kept: Collection[str] = ()) -> None:
             file.unlink()
     if folder.is_dir() and not any(folder.iterdir()):
         folder.rmdir()
-
-
-def _write(path: Path, text: str) -> None:
-    with written_whole(path) as partial:
-        partial.write_text(text, encoding="utf-8", newline="\n")
 
 
 def render(

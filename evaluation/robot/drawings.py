@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from indoor_explorers.env.interfaces.ros import CUBE_LIST, LINE_STRIP, SPHERE_LIST
 from indoor_explorers.evaluation.robot.bans import Point
 from indoor_explorers.evaluation.robot.explorer import Explorer
 
 Colour = tuple[float, float, float, float]
 
-#: Kinds of ``visualization_msgs/Marker``; what is to become of one.
-LINE_STRIP, CUBE_LIST, SPHERE_LIST, ADD, DELETE = 4, 6, 7, 0, 2
 _FRONTIER, _GOAL, _WAY = (0.2, 0.5, 1.0, 0.6), (1.0, 0.2, 0.2, 0.9), (1.0, 0.6, 0.1, 0.9)
 
 

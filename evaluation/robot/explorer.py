@@ -21,7 +21,6 @@ import numpy as np
 
 from indoor_explorers.env import InputError, Policy
 from indoor_explorers.env.grid.arrays import Belief, Cell
-from indoor_explorers.env.grid.cells import FREE
 from indoor_explorers.env.interfaces import GridFrame
 from indoor_explorers.env.interfaces.ros import Goal
 from indoor_explorers.env.policies.view import Message
@@ -29,7 +28,7 @@ from indoor_explorers.env.search.frontiers import frontier_mask
 from indoor_explorers.evaluation.robot.bans import Bans, Point
 from indoor_explorers.evaluation.robot.occupancy import MARGIN, belief_on, frame_on, occupancy_of
 from indoor_explorers.evaluation.robot.piloting import Contact, Piloting, task_of, without
-from indoor_explorers.evaluation.robot.reach import is_frontier, nearest_frontier, standing_cell
+from indoor_explorers.evaluation.robot.reach import is_frontier, standing
 from indoor_explorers.evaluation.robot.settings import RobotSettings
 
 #: Metres: how far from a robot that stands in no free cell one is looked for; how near a mate may be in the way.
@@ -142,10 +141,9 @@ class Explorer:
             self.state, self.note = held
             return self._halt()
         assert self.frame is not None
-        cell, shown = self._situation(now)
+        cell, shown, nearest = self._situation(now)
         if cell != self._entered[0]:
             self._entered = cell, now
-        nearest = nearest_frontier(shown, cell)
         if nearest is None:
             return self._bare(now)
         self._bare_since = None
@@ -169,17 +167,19 @@ class Explorer:
             return State.SILENT, f"no pose for {POSE_SILENCE:g} s"
         return None if self._cell_of(self._pose[:2]) else (State.WAITING, "the robot is outside of the area")
 
-    def _situation(self, now: float) -> tuple[Cell, Belief]:
-        """Return the cell that the robot counts to be in, and the belief with the banned places as obstacles."""
+    def _situation(self, now: float) -> tuple[Cell, Belief, Cell | None]:
+        """Return the cell that the robot counts to be in, the belief with banned places as obstacles, and the frontier.
+
+        That is the one nearest to the cell; None without one in reach.
+        """
         assert self._belief is not None
         assert self._pose is not None
         own = self._cell_of(self._pose[:2]) or (0, 0)
         banned = [cell for point in self._bans.active(now) if (cell := self._cell_of(point))]
         reach = max(1, round(self.settings.radius / self.settings.cell))
         shown = without(self._belief, banned, reach, own)
-        cell = standing_cell(shown, own, max(SNAP / self.settings.cell, 2.0))
-        shown[cell] = FREE
-        return cell, shown
+        cell, nearest = standing(shown, own, max(SNAP / self.settings.cell, 2.0))
+        return cell, shown, nearest
 
     def _bare(self, now: float) -> Command | None:
         """Return what to do while no frontier can be reached."""

@@ -11,6 +11,7 @@ from functools import cache
 from typing import Any
 
 from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.interfaces.ros import quaternion_of
 
 try:
     from cyclonedds.idl import make_idl_struct, types
@@ -81,6 +82,21 @@ def type_of(kind: str) -> Any:
 def new(kind: str, **given: Any) -> Any:
     """Return a message with the given fields; all others are zero, empty, or such messages."""
     return type_of(kind)(**{field: given[field] if field in given else _zero(word) for word, field in _fields(kind)})
+
+
+def point(x: float, y: float) -> Any:
+    """Return a ``geometry_msgs/Point`` on the ground."""
+    return new("geometry_msgs/msg/Point", x=x, y=y)
+
+
+def turned(yaw: float) -> Any:
+    """Return the ``geometry_msgs/Quaternion`` of a rotation about z in radians."""
+    return new("geometry_msgs/msg/Quaternion", **dict(zip("xyzw", quaternion_of(yaw), strict=True)))
+
+
+def uuid(number: bytes) -> Any:
+    """Return a ``unique_identifier_msgs/UUID`` of 16 bytes."""
+    return new("unique_identifier_msgs/msg/UUID", uuid=number)
 
 
 def _fields(kind: str) -> list[tuple[str, str]]:

@@ -14,7 +14,7 @@ from typing import Any
 
 from indoor_explorers.env.interfaces.ros import Goal
 from indoor_explorers.evaluation.robot.dds import Client, Node, quality, taken
-from indoor_explorers.evaluation.robot.messages import new
+from indoor_explorers.evaluation.robot.messages import new, point, turned, uuid
 
 ACTION = "navigate_to_pose/_action/"
 #: States of a goal, as ``action_msgs/GoalStatus`` numbers them.
@@ -29,9 +29,7 @@ Pose = tuple[float, float, float]
 
 def pose_stamped(frame: str, x: float, y: float, yaw: float) -> Any:
     """Return a ``geometry_msgs/PoseStamped``; its time is 0, for the latest transform in real and simulated time."""
-    position = new("geometry_msgs/msg/Point", x=x, y=y)
-    turn = new("geometry_msgs/msg/Quaternion", z=math.sin(yaw / 2), w=math.cos(yaw / 2))
-    pose = new("geometry_msgs/msg/Pose", position=position, orientation=turn)
+    pose = new("geometry_msgs/msg/Pose", position=point(x, y), orientation=turned(yaw))
     return new("geometry_msgs/msg/PoseStamped", header=new("std_msgs/msg/Header", frame_id=frame), pose=pose)
 
 
@@ -124,7 +122,7 @@ class GoalAction(Navigation):
     def stop(self, pose: Pose | None) -> None:
         """Cancel the goal."""
         if self._goal is not None and self._request:
-            self._cancel.call(goal_info=new("action_msgs/msg/GoalInfo", goal_id=_uuid(self._id)))
+            self._cancel.call(goal_info=new("action_msgs/msg/GoalInfo", goal_id=uuid(self._id)))
         self._goal = None
 
     def _ask(self) -> None:
@@ -132,17 +130,13 @@ class GoalAction(Navigation):
             self._id = secrets.token_bytes(16)
             pose = pose_stamped(self._frame, *self._goal)
             goal = new("nav2_msgs/action/NavigateToPose_Goal", pose=pose)
-            self._request = self._send.call(goal_id=_uuid(self._id), goal=goal)
+            self._request = self._send.call(goal_id=uuid(self._id), goal=goal)
 
     def _state(self, near: bool) -> int:
         self._ask()
         for answer in self._send.answers():
             self._refused |= answer.seq == self._request and not answer.accepted
         return ABORTED if self._refused else self._states.get(self._id, (0, ACCEPTED))[1]
-
-
-def _uuid(number: bytes) -> Any:
-    return new("unique_identifier_msgs/msg/UUID", uuid=number)
 
 
 def _nanoseconds(stamp: Any) -> int:

@@ -22,13 +22,18 @@ def nearest_frontier(belief: Belief, cell: Cell) -> Cell | None:
     return None if steps[row, col] >= UNREACHABLE else (row, col)
 
 
-def standing_cell(belief: Belief, own: Cell, reach: float) -> Cell:
+def standing(belief: Belief, own: Cell, reach: float) -> tuple[Cell, Cell | None]:
     """Return the free cell nearest to a robot's own, at most ``reach`` cells away, that has a frontier in reach.
 
-    Without one it is the nearest free cell, or the robot's own. Robots stand beside walls, where no cell is free.
+    Without one it is the nearest free cell, or the robot's own, which then counts as free. Robots stand beside walls,
+    where no cell is free. The second cell is the frontier nearest to it, None if there is none.
     """
     near = np.argwhere(belief == FREE)
     away = np.hypot(*(near - own).T)
     order = np.argsort(away, kind="stable")[: int((away <= reach).sum())]
-    cells = [(int(row), int(col)) for row, col in near[order].tolist()] or [own]
-    return next((cell for cell in cells if nearest_frontier(belief, cell) is not None), cells[0])
+    if not len(order):
+        belief[own] = FREE
+        return own, nearest_frontier(belief, own)
+    cells = [(int(row), int(col)) for row, col in near[order].tolist()]
+    found = ((cell, nearest) for cell in cells if (nearest := nearest_frontier(belief, cell)) is not None)
+    return next(found, (cells[0], None))

@@ -10,10 +10,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from indoor_explorers.env import Policy
+from indoor_explorers.env.interfaces.ros import ADD, DELETE
 from indoor_explorers.evaluation.robot.dds import Node, quality, taken
-from indoor_explorers.evaluation.robot.drawings import ADD, DELETE, Drawing, drawings
+from indoor_explorers.evaluation.robot.drawings import Drawing, drawings
 from indoor_explorers.evaluation.robot.explorer import Explorer, State
-from indoor_explorers.evaluation.robot.messages import new
+from indoor_explorers.evaluation.robot.messages import new, point, turned
 from indoor_explorers.evaluation.robot.navigation import GoalAction, GoalTopic, Pose, pose_stamped
 from indoor_explorers.evaluation.robot.occupancy import yaw_of
 from indoor_explorers.evaluation.robot.settings import RobotSettings
@@ -145,7 +146,6 @@ class Link:
 
 def _marker(frame: str, number: int, drawing: Drawing) -> Any:
     size = 0.1 if not drawing.size else drawing.size
-    upright = new("geometry_msgs/msg/Quaternion", w=1.0)
     return new(
         "visualization_msgs/msg/Marker",
         header=new("std_msgs/msg/Header", frame_id=frame),
@@ -153,9 +153,9 @@ def _marker(frame: str, number: int, drawing: Drawing) -> Any:
         id=number,
         type=drawing.kind,
         action=ADD if drawing.points else DELETE,
-        pose=new("geometry_msgs/msg/Pose", orientation=upright),
+        pose=new("geometry_msgs/msg/Pose", orientation=turned(0.0)),
         scale=new("geometry_msgs/msg/Vector3", x=size, y=size, z=size),
-        points=[new("geometry_msgs/msg/Point", x=x, y=y) for x, y in drawing.points],
+        points=[point(x, y) for x, y in drawing.points],
         colors=[new("std_msgs/msg/ColorRGBA", r=r, g=g, b=b, a=a) for r, g, b, a in drawing.colours],
     )
 

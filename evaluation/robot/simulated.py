@@ -23,7 +23,7 @@ from indoor_explorers.env.sensing.lidar import scan
 from indoor_explorers.env.simulation.spawns import draw_floorplan, draw_spawns
 from indoor_explorers.evaluation.robot.bans import Point
 from indoor_explorers.evaluation.robot.dds import Node, Server, quality, taken
-from indoor_explorers.evaluation.robot.messages import new
+from indoor_explorers.evaluation.robot.messages import new, point, turned, uuid
 from indoor_explorers.evaluation.robot.navigation import ABORTED, ACTION, CANCELED, EXECUTING, SUCCEEDED
 
 #: Pixels of the published map along the side of a cell of the building; goals that a status array lists.
@@ -128,7 +128,7 @@ class SimulatedRobot:
                 origin=self.frame.origin,
             )
             belief = np.repeat(np.repeat(self.belief, PIXELS, axis=0), PIXELS, axis=1)
-            origin = new("geometry_msgs/msg/Pose", position=_point(*fine.origin), orientation=_turn(0.0))
+            origin = new("geometry_msgs/msg/Pose", position=point(*fine.origin), orientation=turned(0.0))
             height, width = fine.shape
             sizes = {"resolution": fine.resolution, "width": width, "height": height}
             info = new("nav_msgs/msg/MapMetaData", origin=origin, **sizes)
@@ -176,7 +176,7 @@ class SimulatedRobot:
                 "action_msgs/msg/GoalStatus",
                 goal_info=new(
                     "action_msgs/msg/GoalInfo",
-                    goal_id=new("unique_identifier_msgs/msg/UUID", uuid=number),
+                    goal_id=uuid(number),
                     stamp=new("builtin_interfaces/msg/Time", sec=sec, nanosec=nanosec),
                 ),
                 status=state,
@@ -224,16 +224,8 @@ def _now() -> Any:
     return new("builtin_interfaces/msg/Time", sec=sec, nanosec=nanosec)
 
 
-def _point(x: float, y: float) -> Any:
-    return new("geometry_msgs/msg/Point", x=x, y=y)
-
-
-def _turn(yaw: float) -> Any:
-    return new("geometry_msgs/msg/Quaternion", z=math.sin(yaw / 2), w=math.cos(yaw / 2))
-
-
 def _transforms(frame: str, child: str, x: float, y: float, yaw: float) -> Any:
     place = new("geometry_msgs/msg/Vector3", x=x, y=y)
-    moved = new("geometry_msgs/msg/Transform", translation=place, rotation=_turn(yaw))
+    moved = new("geometry_msgs/msg/Transform", translation=place, rotation=turned(yaw))
     stamped = new("geometry_msgs/msg/TransformStamped", header=_header(frame), child_frame_id=child, transform=moved)
     return new("tf2_msgs/msg/TFMessage", transforms=[stamped])

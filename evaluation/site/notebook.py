@@ -16,7 +16,7 @@ from contextlib import redirect_stdout
 from pathlib import Path
 from typing import Any
 
-from indoor_explorers.env.files import written_whole
+from indoor_explorers.env.files import write_whole
 
 NOTEBOOK = Path(__file__).parent / "notebooks" / "first.ipynb"
 #: The ten cells: texts begin with a heading, all others are Python.
@@ -163,6 +163,4 @@ def _lines(text: str) -> list[str]:
 
 
 if __name__ == "__main__":
-    with written_whole(NOTEBOOK) as partial:
-        made = notebook(printed_by_a_process())
-        partial.write_text(json.dumps(made, indent=1, ensure_ascii=False) + "\n", encoding="utf-8", newline="\n")
+    write_whole(NOTEBOOK, json.dumps(notebook(printed_by_a_process()), indent=1, ensure_ascii=False) + "\n")

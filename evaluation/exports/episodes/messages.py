@@ -16,15 +16,13 @@ from rosbags.typesys import Stores, get_typestore
 
 from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.interfaces import GridFrame
+from indoor_explorers.env.interfaces.ros import ADD, CUBE, DELETE, DELETE_ALL, LINE_LIST, LINE_STRIP, SPHERE, TEXT
 from indoor_explorers.env.policies.explanation import Candidate, Explanation, sentence
 from indoor_explorers.env.rendering.palette import INK
 
 STORE = get_typestore(Stores.ROS2_HUMBLE)
 #: The frame of the maps.
 MAP = "map"
-#: Kinds of markers, and what becomes of one, as ``visualization_msgs/Marker`` numbers them.
-CUBE, SPHERE, LINE_STRIP, LINE_LIST, CUBE_LIST, TEXT = 1, 2, 4, 5, 6, 9
-ADD, DELETE, DELETE_ALL = 0, 2, 3
 NANOSECONDS = 1_000_000_000
 #: RGB of the candidates of the lowest and of the highest score.
 LOW, HIGH = (68, 1, 84), (253, 231, 37)

@@ -20,18 +20,12 @@ from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, W
 
 from indoor_explorers.env import Scenario
 from indoor_explorers.env.grid.arrays import Cell
+from indoor_explorers.env.interfaces.ros import CUBE_LIST, LINE_LIST
 from indoor_explorers.env.policies.explanation import Explanation
 from indoor_explorers.env.rendering.palette import INK, uav_colours
 from indoor_explorers.env.search.frontiers import frontier_mask
 from indoor_explorers.env.sensing.rays import first_hits
-from indoor_explorers.evaluation.exports.episodes.messages import (
-    CUBE_LIST,
-    LINE_LIST,
-    NANOSECONDS,
-    STORE,
-    Messages,
-    uav_frame,
-)
+from indoor_explorers.evaluation.exports.episodes.messages import NANOSECONDS, STORE, Messages, uav_frame
 from indoor_explorers.evaluation.exports.episodes.moments import Moment, facts_of, frame_of, moments
 from indoor_explorers.evaluation.harness.episodes.flight import Told
 from indoor_explorers.evaluation.harness.episodes.record import Record

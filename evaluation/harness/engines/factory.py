@@ -38,7 +38,7 @@ def make_engine(
         return partial(_ray_engine(workers, address), decision_timeout=decision_timeout, memory_limit=memory_limit)
     if address is not None:
         raise InputError(f"expected --engine ray with --address {address}, got --engine local; leave one of them out")
-    count = (os.cpu_count() or 1) if workers is None else workers
+    count = _local_count(workers)
     return partial(fly_jobs, workers=count, limits=limits_for(count, decision_timeout, memory_limit))
 
 
@@ -47,8 +47,12 @@ def kept_engine(workers: int | None = None) -> LocalWorkers:
 
     Workers are one for each core by default.
     """
-    count = (os.cpu_count() or 1) if workers is None else workers
-    return LocalWorkers(count, limits_for(max(1, count), DECISION_TIMEOUT, None))
+    count = _local_count(workers)
+    return LocalWorkers(count, limits_for(count, DECISION_TIMEOUT, None))
+
+
+def _local_count(workers: int | None) -> int:
+    return (os.cpu_count() or 1) if workers is None else workers
 
 
 def _ray_engine(workers: int | None, address: str | None) -> Callable[..., Iterator[list[FlownEpisode]]]:

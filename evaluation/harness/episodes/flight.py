@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env import Explanation, Pilot, Policy, Scenario, World
-from indoor_explorers.env.errors import RunError
+from indoor_explorers.env.errors import RunError, described
 from indoor_explorers.env.grid.arrays import Mask
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.policies.explanation import SILENT
@@ -65,7 +65,7 @@ class Flight:
                 self.flew, flying = flying, self.world.flying[0].copy()
                 yield actions[0]
         except Exception as error:
-            raise RunError(f"policy failed at step {self.step}: {type(error).__name__}: {error}") from error
+            raise RunError(f"policy failed at step {self.step}: {described(error)}") from error
 
     def explanations(self) -> list[Explanation | None]:
         """Return what explains the last move of each UAV; None for those that did not fly, and for all at the start.
@@ -78,7 +78,7 @@ class Flight:
             pairs = zip(self.flew.tolist(), self.pilots, strict=False)
             return [pilot.explain() if flew else None for flew, pilot in pairs] or [None] * len(self.flew)
         except Exception as error:
-            raise RunError(f"explain() failed at step {self.step}: {type(error).__name__}: {error}") from error
+            raise RunError(f"explain() failed at step {self.step}: {described(error)}") from error
 
 
 def explained_again(record: Record, scenario: Scenario, policy: Policy) -> Told:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import re
+import sys
 import tomllib
 from argparse import ArgumentTypeError
 from collections.abc import Callable, Mapping, Sequence
@@ -90,6 +91,7 @@ read_natural = _number(int, 0, "a whole number of at least 0")
 read_metres = _number(float, 1e-6, "a number of metres above 0")
 read_seconds = _number(float, 0.01, "a number of seconds of at least 0.01")
 read_thinking = _number(float, 0, "a number of seconds of at least 0")
+read_hours = _number(float, sys.float_info.min, "a number of hours above 0")
 read_gigabytes = _number(float, 0.01, "a number of gigabytes of at least 0.01")
 read_speed = _number(float, 0.001, "a number of metres a second of at least 0.001")
 read_share = _number(float, 0, "a share below 1 such as 0.05, or 0 for none", below=1)

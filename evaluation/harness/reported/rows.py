@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
 from indoor_explorers.env.errors import InputError, did_you_mean
-from indoor_explorers.env.files import written_whole
+from indoor_explorers.env.files import write_whole
 from indoor_explorers.env.scenarios.validation import validated
 from indoor_explorers.evaluation.harness.episodes.metrics import MEASURES
 
@@ -120,9 +120,8 @@ def read_reported(folder: Path) -> tuple[ReportedPolicy, ...]:
 
 def write_reported(policies: Iterable[ReportedPolicy], folder: Path) -> None:
     """Write the reported policies of a results folder; equal policies give equal bytes."""
-    with written_whole(folder / FILE) as partial:
-        text = _Contents(policies=tuple(policies)).model_dump_json(indent=1, exclude_defaults=True)
-        partial.write_text(text + "\n", encoding="utf-8", newline="\n")
+    text = _Contents(policies=tuple(policies)).model_dump_json(indent=1, exclude_defaults=True)
+    write_whole(folder / FILE, text + "\n")
 
 
 def joined(policies: Iterable[ReportedPolicy], flown: Iterable[str] = ()) -> tuple[ReportedPolicy, ...]:

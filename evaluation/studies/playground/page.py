@@ -10,7 +10,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from indoor_explorers.env import FREE, scenario
-from indoor_explorers.env.files import written_whole
+from indoor_explorers.env.files import write_whole
 from indoor_explorers.env.rendering.palette import uav_colours
 from indoor_explorers.env.simulation.spawns import draw_floorplan
 
@@ -30,8 +30,7 @@ MAPS = {
 def write_playground(path: Path) -> None:
     """Write the page, which needs neither other files nor a network."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    with written_whole(path) as partial:
-        partial.write_text(playground(), encoding="utf-8", newline="\n")
+    write_whole(path, playground())
 
 
 @lru_cache(maxsize=1)

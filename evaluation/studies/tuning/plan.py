@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from indoor_explorers.env import InputError
-from indoor_explorers.env.files import written_whole
+from indoor_explorers.env.files import write_whole
 from indoor_explorers.env.policies.registry import policy_class
 from indoor_explorers.env.policies.renamed import renamed_parameters
 from indoor_explorers.env.scenarios.seed_sets import SeedUse, seed_set
@@ -122,8 +122,7 @@ class Search:
         ours = json.loads(json.dumps(self._record()))
         if not path.exists():
             out.mkdir(parents=True, exist_ok=True)
-            with written_whole(path) as partial:
-                partial.write_text(json.dumps(ours, indent=1) + "\n", encoding="utf-8")
+            write_whole(path, json.dumps(ours, indent=1) + "\n")
             return
         try:
             theirs = json.loads(path.read_text(encoding="utf-8"))

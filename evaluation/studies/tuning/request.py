@@ -16,6 +16,7 @@ from indoor_explorers.evaluation.harness.experiment.request import (
     Request,
     Settings,
     read_count,
+    read_hours,
     read_natural,
     read_setting,
 )
@@ -40,17 +41,6 @@ def read_range(text: str) -> tuple[str, Any]:
         return name, found if isinstance(found, list) else [found]
     ends = [read_setting(f"{name}={each}")[1] for each in value.split(":")]
     return name, tuple(ends)
-
-
-def read_hours(text: str) -> float:
-    """Read a number of hours above 0; raises ``ArgumentTypeError`` for anything else."""
-    try:
-        hours = float(text)
-    except ValueError:
-        hours = 0.0
-    if not 0 < hours < float("inf"):
-        raise ArgumentTypeError(f"expected a number of hours above 0, got {text!r}")
-    return hours
 
 
 class TuneRequest(Request):

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import tomli_w
 
 from indoor_explorers.env import InputError
-from indoor_explorers.env.files import writable, written_whole
+from indoor_explorers.env.files import writable, write_whole
 from indoor_explorers.evaluation.driver import run
 from indoor_explorers.evaluation.harness.engines.factory import kept_engine
 from indoor_explorers.evaluation.harness.experiment.experiment import Experiment
@@ -78,8 +78,7 @@ def _write(search: Search, study: Study, gain: Gain | None, command: str) -> Non
     from indoor_explorers.evaluation.studies.tuning.page import rows_of, write_page
 
     out = search.request.out
-    with written_whole(out / TUNED) as partial:
-        partial.write_text(tuned_toml(search, study.best_trial, command), encoding="utf-8", newline="\n")
+    write_whole(out / TUNED, tuned_toml(search, study.best_trial, command))
     rows = rows_of(search, study)
     write_rows(out / "trials.csv", list(rows[0]), rows)
     write_page(search, study, gain, out, command)

@@ -5,7 +5,6 @@ It has not been run with ROS here; a test runs it with stand-ins for ROS.
 
 from __future__ import annotations
 
-import math
 import time
 
 import rclpy
@@ -21,7 +20,8 @@ from tf2_ros import Buffer, TransformException, TransformListener
 from visualization_msgs.msg import Marker, MarkerArray
 
 from indoor_explorers.env import make_policy
-from indoor_explorers.evaluation.robot.drawings import ADD, DELETE, drawings
+from indoor_explorers.env.interfaces.ros import ADD, DELETE
+from indoor_explorers.evaluation.robot.drawings import drawings
 from indoor_explorers.evaluation.robot.explorer import Explorer
 from indoor_explorers.evaluation.robot.occupancy import yaw_of
 from indoor_explorers.evaluation.robot.settings import RobotSettings
@@ -81,8 +81,8 @@ class ExplorerNode(Node):
         message = NavigateToPose.Goal()
         message.pose.header.frame_id = "map"
         message.pose.pose.position.x, message.pose.pose.position.y = goal.x, goal.y
-        message.pose.pose.orientation.z = math.sin(goal.yaw / 2)
-        message.pose.pose.orientation.w = math.cos(goal.yaw / 2)
+        turn = message.pose.pose.orientation
+        turn.x, turn.y, turn.z, turn.w = goal.quaternion
         sent = self.navigation.send_goal_async(message)
         sent.add_done_callback(lambda done: self.accepted(done.result(), goal))
         self.goal = goal

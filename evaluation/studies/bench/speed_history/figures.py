@@ -35,37 +35,36 @@ class _Figures:
         self.take: Callable[[], float] = _benchmarks()[name].take
 
 
-class AgentStep(_Figures):
+class _Times(_Figures):
+    """Figures that are times, of this unit."""
+
+    unit = "us"
+
+    def track_time(self, name: str) -> float:
+        """Return the time in that unit."""
+        return self.take()
+
+
+class AgentStep(_Times):
     """The time of one step of one UAV, on one core."""
 
     params: ClassVar[list[str]] = _names("world-*-core")
-    unit = "us"
 
     def track_time(self, name: str) -> float:
         """Return microseconds, from agent-steps a second."""
         return 1e6 / self.take()
 
 
-class Call(_Figures):
+class Call(_Times):
     """The time of a scan, of the start of an episode and of a step of the Gymnasium environment."""
 
     params: ClassVar[list[str]] = _names("lidar-*", "reset-*", "gym-step")
-    unit = "us"
-
-    def track_time(self, name: str) -> float:
-        """Return microseconds."""
-        return self.take()
 
 
-class Decision(_Figures):
+class Decision(_Times):
     """The time of a decision of each policy on a map of 250x250 cells."""
 
     params: ClassVar[list[str]] = _names("decide-*-250x250")
-    unit = "us"
-
-    def track_time(self, name: str) -> float:
-        """Return microseconds."""
-        return self.take()
 
 
 class Memory(_Figures):
@@ -79,12 +78,8 @@ class Memory(_Figures):
         return self.take()
 
 
-class Start(_Figures):
+class Start(_Times):
     """The time from the start of a process to its first step."""
 
     params: ClassVar[list[str]] = _names("first-step")
     unit = "s"
-
-    def track_time(self, name: str) -> float:
-        """Return seconds."""
-        return self.take()
