@@ -42,6 +42,11 @@ class BaseMaps(BaseModel):
         return 1
 
     @property
+    def level_count(self) -> int:
+        """Levels of the maps; 1 for plain ones."""
+        return 1
+
+    @property
     def generated(self) -> bool:
         """True when the seed makes the map, so that another attempt gives another map."""
         return False
@@ -93,7 +98,7 @@ class MapReader(BaseMaps):
         return _read_once(self, path)
 
     def read(self, path: Path) -> Mask:
-        """Return the (height, width) mask of the free cells of a file's map."""
+        """Return the mask of the free cells of a file's map, (height, width) or (levels, height, width)."""
         raise NotImplementedError
 
     def holding(self, plans: Mapping[int, Floorplan]) -> Self:
@@ -144,7 +149,7 @@ class GeneratedMaps(BaseMaps):
         return Floorplan.from_free(self.draw(generator(seed, Stream.MAP, attempt)), self.source)
 
     def draw(self, rng: np.random.Generator) -> Mask:
-        """Return the (height, width) mask of the free cells of a random map."""
+        """Return the mask of the free cells of a random map, (height, width) or (levels, height, width)."""
         raise NotImplementedError
 
 

@@ -30,6 +30,7 @@ from indoor_explorers.env.maps.reduction import (
     open_doorways,
     reduced,
 )
+from indoor_explorers.env.search.connected_parts import largest_part
 
 
 def read_map(path: str | Path, resolution: float | None = None) -> Floorplan:
@@ -43,7 +44,7 @@ def read_map(path: str | Path, resolution: float | None = None) -> Floorplan:
     - ``.png``, ``.pgm``, ``.pnm``, ``.bmp``: a plain picture; bright is free, transparent is white, and a coloured
       spot marks the start.
     - ``.map``: a grid of the MovingAI benchmarks.
-    - ``.npy``: a NumPy array of occupancies.
+    - ``.npy``: a NumPy array of occupancies; with three axes, the levels of a volume, lowest first.
     - ``.json``, an object: a HouseExpo outline, cut to the house; cells of 0.1 m where none are asked for.
     - ``.json``, a list: the wall segments of an AMRL vector map, drawn in pixels of 0.1 m and cut like a ROS map.
     - ``.xml``: the rooms and portals of a building, drawn, opened and cut in the same way.
@@ -114,8 +115,20 @@ def _read_movingai(path: Path, resolution: float | None) -> Floorplan:
 
 def _read_npy(path: Path, resolution: float | None) -> Floorplan:
     cells = read_npy(path, _fits(path, resolution))
+    if cells.ndim > 2:
+        return _volume(path, cells, resolution)
     plan = reduced(Source(name=path.stem, where=str(path), cells=cells, resolution=1.0), resolution)
     return replace(plan, notes=inverted_notes(path, cells))
+
+
+def _volume(path: Path, cells: Belief, resolution: float | None) -> Floorplan:
+    """Return the map of (L, H, W) cells, of which only the largest connected free part stays free."""
+    if resolution not in (None, 1.0):
+        raise InputError(f"{path}: expected no --resolution for a map of several levels, got {resolution:g}; omit it")
+    free = cells == FREE
+    kept = largest_part(free)
+    plan = Floorplan.from_free(kept, path.stem, 1.0, kept=float(kept.sum() / max(1, free.sum())))
+    return replace(plan, connected=plan.kept, notes=inverted_notes(path, cells))
 
 
 #: How a file is read, by its ending.

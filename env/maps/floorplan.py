@@ -12,6 +12,7 @@ import numpy as np
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Belief, Cell, Mask
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED
+from indoor_explorers.env.grid.levels import Levels, plane_of
 from indoor_explorers.env.maps.layouts import layout_digest
 from indoor_explorers.env.search.connected_parts import largest_part
 
@@ -36,6 +37,8 @@ class Floorplan:
     """Share of the source's free area that is in its largest connected part, before the source was reduced."""
     notes: tuple[str, ...] = ()
     """Warnings of the reader of the file, a line each."""
+    level_count: int = 1
+    """Levels of the map; with several, ``truth`` is the plane of them (:mod:`indoor_explorers.env.grid.levels`)."""
 
     def __post_init__(self) -> None:
         if self.truth.ndim != 2 or self.truth.size == 0:
@@ -56,7 +59,8 @@ class Floorplan:
         self.truth.setflags(write=False)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Floorplan, (self.truth, self.name, self.resolution, self.kept, self.start)  # makes truth read-only again
+        facts = self.truth, self.name, self.resolution, self.kept, self.start, self.connected, self.notes
+        return Floorplan, (*facts, self.level_count)  # makes truth read-only again
 
     def _is_free(self, cell: Cell) -> bool:
         inside = all(0 <= place < side for place, side in zip(cell, self.shape, strict=True))
@@ -67,11 +71,17 @@ class Floorplan:
         """(H, W) in cells."""
         return self.truth.shape[0], self.truth.shape[1]
 
+    @property
+    def levels(self) -> Levels:
+        """What is where in a map of several levels."""
+        return Levels.of(self.shape, self.level_count)
+
     @cached_property
     def digest(self) -> str:
         """A short hash of shape, cells and start, if any: equal maps from different files have equal digests."""
         mark = b"" if self.start is None else repr(self.start).encode()
-        return hashlib.sha256(repr(self.shape).encode() + self.truth.tobytes() + mark).hexdigest()[:16]
+        shape = self.shape if self.level_count == 1 else tuple(self.levels)
+        return hashlib.sha256(repr(shape).encode() + self.truth.tobytes() + mark).hexdigest()[:16]
 
     @cached_property
     def layout(self) -> str:
@@ -81,7 +91,9 @@ class Floorplan:
     @cached_property
     def main_part(self) -> Mask:
         """(H, W) mask of the largest connected free part, where UAVs are spawned; read-only."""
-        part = largest_part(self.truth == FREE)
+        free = self.truth == FREE
+        several = self.level_count > 1
+        part = plane_of(largest_part(self.levels.volume(free)), False) if several else largest_part(free)
         part.setflags(write=False)
         return part
 
@@ -89,5 +101,9 @@ class Floorplan:
     def from_free(
         cls, free: Mask, name: str, resolution: float | None = None, kept: float = 1.0, start: Cell | None = None
     ) -> Floorplan:
-        """Build a floor plan from a (H, W) bool mask of its free cells."""
+        """Build a floor plan from a bool mask of its free cells, (H, W) or, with several levels, (L, H, W)."""
+        if free.ndim > 2 and len(free) > 1:
+            plane = plane_of(np.where(free, FREE, OCCUPIED), OCCUPIED)
+            return cls(plane, name, resolution, kept, start, level_count=len(free))
+        free = free.reshape(free.shape[-2:])
         return cls(np.where(free, FREE, OCCUPIED).astype(np.uint8), name, resolution, kept, start)

@@ -17,9 +17,11 @@ from pydantic import (
     ValidatorFunctionWrapHandler,
     WrapSerializer,
     WrapValidator,
+    model_validator,
 )
 
 from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.files import expanded
 from indoor_explorers.env.maps.base import BaseMaps, GeneratedMaps, MapReader
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.maps.generators.cave import CaveMaps
@@ -29,6 +31,7 @@ from indoor_explorers.env.maps.generators.homes import HomesMaps
 from indoor_explorers.env.maps.generators.maze import MazeMaps
 from indoor_explorers.env.maps.generators.offices import OfficesMaps
 from indoor_explorers.env.maps.generators.rooms import RoomsMaps
+from indoor_explorers.env.maps.generators.storeys import StoreysMaps
 from indoor_explorers.env.maps.generators.thesis import ThesisMaps
 from indoor_explorers.env.plugins import MAPS, declared, load_plugin
 
@@ -45,6 +48,7 @@ __all__ = [
     "OfficeMap",
     "OfficesMaps",
     "RoomsMaps",
+    "StoreysMaps",
     "ThesisMaps",
 ]
 
@@ -61,6 +65,21 @@ class FileMaps(MapReader):
     source: Literal["files"] = "files"
     resolution: float | None = Field(None, gt=0.0)
     """Metres a cell to resample to; None keeps the file's. Files without a scale count a pixel as one metre."""
+    levels: int = Field(1, ge=1, le=256)
+    """Levels of the maps, by default those of the first file."""
+
+    @model_validator(mode="after")
+    def _counted(self) -> FileMaps:
+        if "levels" not in self.model_fields_set and self.paths[0].endswith(".npy"):
+            from indoor_explorers.env.maps.readers.npy import levels_of
+
+            object.__setattr__(self, "levels", levels_of(expanded(self.paths[0])))
+        return self
+
+    @property
+    def level_count(self) -> int:
+        """Levels of the maps."""
+        return self.levels
 
     def plan(self, path: Path) -> Floorplan:
         """Return the map of a file."""
@@ -90,6 +109,7 @@ MapSource = (
     | HomesMaps
     | CaveMaps
     | MazeMaps
+    | StoreysMaps
     | FileMaps
     | OfficeMap
 )

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from operator import itemgetter
-from typing import TYPE_CHECKING, Annotated, Any, Final, NamedTuple, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, NamedTuple, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Belief, Cell, Mask
+from indoor_explorers.env.grid.levels import Levels
 
 if TYPE_CHECKING:
     from indoor_explorers.env.maps.sources import MapSource
@@ -61,14 +62,14 @@ class LiveArray:
     """
 
     dtype: type[np.generic]
-    shape: tuple[int, ...] | None = None
-    """None for the shape of the map, (H, W)."""
+    of: Literal["map", "moves"] = "map"
+    """Its shape: (H, W), or (A,), one for each move and ``STAY``."""
     uncertain: bool = False
     """Whether the field is None where maps are certain."""
 
-    def shape_on(self, shape: tuple[int, int]) -> tuple[int, ...]:
-        """Return the field's shape on an (H, W) map."""
-        return shape if self.shape is None else self.shape
+    def shape_on(self, shape: tuple[int, int], moves: int = 5) -> tuple[int, ...]:
+        """Return the field's shape on an (H, W) map; ``moves`` is that of its levels."""
+        return shape if self.of == "map" else (moves,)
 
 
 class View(NamedTuple):
@@ -78,11 +79,13 @@ class View(NamedTuple):
     """
 
     belief: Annotated[Belief, LiveArray(np.uint8)]
-    """(H, W) uint8, 0 unknown, 1 free, 2 occupied. Read-only and live: copy it to keep it."""
+    """(H, W) uint8, 0 unknown, 1 free, 2 occupied. Read-only and live: copy it to keep it. Where there are levels, the
+    plane of them; ``briefing.levels.volume(view.belief)`` is (L, H, W)."""
     cell: Cell
-    """The UAV's own (row, column)."""
-    legal: Annotated[Mask, LiveArray(np.bool_, (5,))]
-    """(5,) bool: actions that end neither in a wall nor off the map. A teammate may still be in the way."""
+    """The UAV's own (row, column); ``briefing.levels.voxel(view.cell)`` is (level, row, column)."""
+    legal: Annotated[Mask, LiveArray(np.bool_, "moves")]
+    """(5,) bool: actions that end neither in a wall nor off the map; (7,) where there are levels. A teammate may still
+    be in the way."""
     step: int
     """Steps flown so far."""
     budget: int
@@ -146,7 +149,7 @@ class Briefing:
     team: int
     """UAVs in the team."""
     shape: tuple[int, int]
-    """(H, W) of the map in cells."""
+    """(H, W) of the map in cells; with several levels, of their plane."""
     lidar_range: float
     """Lidar range in cells."""
     scenario: Scenario
@@ -160,8 +163,20 @@ class Briefing:
     """Where all UAVs start, by number, for privileged policies; None for other policies."""
     base: Cell | None = None
     """The home base's (row, column); None where there is none."""
+    level_count: int = 1
+    """Levels of the map; 1 for a plain map."""
     prior: Belief | None = field(default=None, repr=False)
     """The prior map (H, W) uint8, 1 free, 2 occupied, read-only; it may be wrong. None where there is none."""
+
+    @property
+    def levels(self) -> Levels:
+        """What is where on a map of several levels."""
+        return Levels.of(self.shape, self.level_count)
+
+    @property
+    def rise(self) -> int:
+        """Rows from a cell to the one a level higher; 0 where there is one level."""
+        return self.levels.rise
 
     @property
     def generator(self) -> MapSource | None:

@@ -51,6 +51,9 @@ class Lidar(_Sensor):
     """Degrees that the lidar sees, half of them to each side of the UAV's heading; proximity sensors see the eight
     neighbours all around. Below 360 a UAV has a heading, the direction of its last move, and one action more: ``turn``,
     clockwise by 90 degrees. Maps are then of log-odds, as with ``noise`` and ``drift``."""
+    elevation: float = Field(90.0, ge=1.0, le=90.0)
+    """Degrees that the lidar sees up and down on maps of several levels, 15 for one of 16 rings; proximity sensors see
+    the 26 neighbours all around."""
 
 
 class Radio(_Sensor):

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import cached_property
 from typing import Any, Literal
 
 from pydantic import Field, ValidationError, ValidatorFunctionWrapHandler, field_validator, model_validator
 
 from indoor_explorers.env.errors import InputError, did_you_mean
+from indoor_explorers.env.grid.levels import Voxel
 from indoor_explorers.env.maps.sources import AnyMaps, ThesisMaps, map_class
 from indoor_explorers.env.plugins import source_hash
 from indoor_explorers.env.scenarios.parts import (
@@ -32,7 +33,9 @@ LEAST_BUDGET = 200
 #: Settings of comparisons: episodes go on to full team coverage or the budget, and no UAV is ended as stuck.
 COMPARED: Mapping[str, Any] = {"goal": 1.0, "goal_of": "team", "denominator": "reachable", "stuck.rule": "off"}
 #: Settings that were added later; fingerprints include them only if they are not at their defaults.
-LATER = ("failures", "base", "prior", "noise", "drift", "lidar.field_of_view")
+LATER = ("failures", "base", "prior", "noise", "drift", "lidar.field_of_view", "lidar.elevation")
+#: Radio models that reach from level to level.
+LEVEL_RADIOS = ("none", "square", "disc", "unlimited")
 
 
 class Scenario(SettingsGroup):
@@ -44,8 +47,9 @@ class Scenario(SettingsGroup):
     """The source of maps; ``source`` may be a plug-in, ``module:Class``."""
     team: int = Field(1, ge=1, le=256)
     """UAVs."""
-    spawn: Literal["random", "clustered"] | tuple[tuple[int, int], ...] = "random"
-    """Start cells: random, clustered (adjacent, at the map's start mark if any), or listed as (row, column)."""
+    spawn: Literal["random", "clustered"] | tuple[tuple[int, int], ...] | tuple[Voxel, ...] = "random"
+    """Start cells: random, clustered (adjacent, at the map's start mark if any), or listed as (row, column) or, with
+    several levels, (level, row, column)."""
     lidar: Lidar = Lidar()
     radio: Radio = Radio()
     rewards: Rewards = Rewards()
@@ -95,7 +99,24 @@ class Scenario(SettingsGroup):
                 "noise, drift and a limited lidar.field_of_view need a lidar and a radio model of this package, "
                 f"got {self.lidar.model} and {self.radio.model}"
             )
+        if self.map.level_count > 1 and (first := next(self._without_levels(), None)):
+            raise ValueError(f"maps of several levels need {first}")
         return self
+
+    def _without_levels(self) -> Iterator[str]:
+        """Yield what would have to be set for maps of several levels, and is not."""
+        if self.lidar.model != "exact" or self.lidar.field_of_view < 360.0:
+            yield f"lidar.model exact and lidar.field_of_view 360, got {self.lidar.model}, {self.lidar.field_of_view:g}"
+        if self.radio.model not in LEVEL_RADIOS:
+            yield f"radio.model {', '.join(LEVEL_RADIOS[:-1])} or {LEVEL_RADIOS[-1]}, got {self.radio.model}"
+        if self.uncertain:
+            yield "a world without noise and drift; remove them"
+        if self.prior.kind != "none":
+            yield f"prior.kind none, got {self.prior.kind}"
+        if self.denominator != "reachable":
+            yield f"denominator reachable, got {self.denominator}"
+        if not isinstance(self.base.at, str):
+            yield f"base.at start or none, got {list(self.base.at)}"
 
     @property
     def uncertain(self) -> bool:
@@ -109,8 +130,8 @@ class Scenario(SettingsGroup):
 
     @property
     def actions(self) -> int:
-        """How many actions a UAV has: five, and a sixth to turn where the field of view is limited."""
-        return 6 if self.turns else 5
+        """How many actions a UAV has: five, a sixth to turn where the field of view is limited; seven with levels."""
+        return 7 if self.map.level_count > 1 else 6 if self.turns else 5
 
     @cached_property
     def fingerprint(self) -> str:

@@ -1,7 +1,8 @@
 """Breadth-first search for distances: over a grid or a neighbour table, from one source or many.
 
-All searches visit neighbours in the order of the actions (down, left, up, right), so their queues contain the reached
-cells in a fixed order of increasing distance. Searches for paths are in
+All searches visit neighbours in the order of the actions (down, left, up, right, and above and below where the ``rise``
+of the map is not 0, see :mod:`indoor_explorers.env.grid.levels`), so their queues contain the reached cells in a fixed
+order of increasing distance. Searches for paths are in
 :mod:`indoor_explorers.planners.toolbox.navigation.shortest_paths`, those that label parts of a map in
 :mod:`indoor_explorers.env.search.connected_parts`.
 """
@@ -13,10 +14,13 @@ import numpy as np
 from indoor_explorers.env.grid.arrays import Belief, Distances
 from indoor_explorers.env.grid.cells import FREE, MOVES, UNREACHABLE
 from indoor_explorers.env.grid.compiled import leaf
+from indoor_explorers.env.grid.levels import beside, degree
 
 
 @leaf(entry=False)
-def flood(belief: np.ndarray, through: np.uint8, sources: int, queue: np.ndarray, steps: np.ndarray) -> int:
+def flood(
+    belief: np.ndarray, through: np.uint8, sources: int, queue: np.ndarray, steps: np.ndarray, rise: int = 0
+) -> int:
     """Fill ``steps`` (H, W) int32 with distances through cells that hold ``through``; return how many are reached.
 
     The sources are the first ``sources`` flat cells of ``queue`` (H*W,) int32, in order of their distance, which
@@ -28,8 +32,8 @@ def flood(belief: np.ndarray, through: np.uint8, sources: int, queue: np.ndarray
         r, c = divmod(queue[head], width)
         head += 1
         d = steps[r, c] + 1
-        for k in range(4):
-            rr, cc = r + MOVES[k, 0], c + MOVES[k, 1]
+        for k in range(degree(rise)):
+            rr, cc = beside(r, c, k, rise)
             if 0 <= rr < height and 0 <= cc < width and belief[rr, cc] == through and steps[rr, cc] > d:
                 steps[rr, cc] = d
                 queue[tail] = rr * width + cc
@@ -38,7 +42,7 @@ def flood(belief: np.ndarray, through: np.uint8, sources: int, queue: np.ndarray
 
 
 @leaf()
-def distances_from(belief: np.ndarray, row: int, col: int, queue: np.ndarray, steps: np.ndarray) -> int:
+def distances_from(belief: np.ndarray, row: int, col: int, queue: np.ndarray, steps: np.ndarray, rise: int = 0) -> int:
     """Fill ``steps`` (H, W) int32 with distances from (row, col) through ``FREE`` cells; return how many are reached.
 
     ``queue`` (H*W,) int32 is scratch; its first entries are the reached cells in order of distance, as flat indices.
@@ -47,21 +51,23 @@ def distances_from(belief: np.ndarray, row: int, col: int, queue: np.ndarray, st
     steps[:] = UNREACHABLE
     steps[row, col] = 0
     queue[0] = row * belief.shape[1] + col
-    return flood(belief, FREE, 1, queue, steps)
+    return flood(belief, FREE, 1, queue, steps, rise)
 
 
-def distance_field(belief: Belief, cell: tuple[int, int]) -> Distances:
+def distance_field(belief: Belief, cell: tuple[int, int], rise: int = 0) -> Distances:
     """Return the (H, W) int32 distances from ``cell`` through known free cells, in steps.
 
     Cells that cannot be reached hold :data:`UNREACHABLE`.
     """
     steps = np.empty(belief.shape, np.int32)
-    distances_from(belief, cell[0], cell[1], np.empty(belief.size, np.int32), steps)
+    distances_from(belief, cell[0], cell[1], np.empty(belief.size, np.int32), steps, rise)
     return steps
 
 
 @leaf(entry=False)
-def flood_nearby(belief: np.ndarray, start: int, target: int, limit: int, queue: np.ndarray, steps: np.ndarray) -> int:
+def flood_nearby(
+    belief: np.ndarray, start: int, target: int, limit: int, queue: np.ndarray, steps: np.ndarray, rise: int = 0
+) -> int:
     """Fill ``steps`` (H*W,) int32 with distances from a flat cell through ``FREE`` cells; return how many are reached.
 
     The search ends at ``target`` (-1 for none) and ``limit`` steps away. ``steps`` must hold ``UNREACHABLE`` before;
@@ -74,8 +80,8 @@ def flood_nearby(belief: np.ndarray, start: int, target: int, limit: int, queue:
         row, col = divmod(queue[head], width)
         distance = steps[queue[head]] + 1
         head += 1
-        for k in range(4):
-            r, c = row + MOVES[k, 0], col + MOVES[k, 1]
+        for k in range(degree(rise)):
+            r, c = beside(row, col, k, rise)
             if 0 <= r < height and 0 <= c < width and belief[r, c] == FREE and steps[r * width + c] == UNREACHABLE:
                 steps[r * width + c] = distance
                 queue[tail] = r * width + c
@@ -85,7 +91,7 @@ def flood_nearby(belief: np.ndarray, start: int, target: int, limit: int, queue:
 
 @leaf(entry=False)
 def flood_table(neighbours: np.ndarray, sources: int, queue: np.ndarray, steps: np.ndarray) -> int:
-    """Fill ``steps`` (M,) int32 with distances over a (M, 4) neighbour table; return how many nodes are reached.
+    """Fill ``steps`` (M,) int32 with distances over a (M, 4) or (M, 6) neighbour table; return how many it reaches.
 
     -1 in the table is no neighbour. The sources are the first ``sources`` numbers of ``queue`` (M,) int32, in order of
     their distance, which ``steps`` already holds; all others hold more than any distance.
@@ -95,7 +101,7 @@ def flood_table(neighbours: np.ndarray, sources: int, queue: np.ndarray, steps: 
         node = queue[head]
         head += 1
         d = steps[node] + 1
-        for k in range(4):
+        for k in range(neighbours.shape[1]):
             other = neighbours[node, k]
             if other >= 0 and steps[other] > d:
                 steps[other] = d

@@ -8,12 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Distances, Mask
-from indoor_explorers.env.grid.cells import FREE, MOVES
+from indoor_explorers.env.grid.cells import FREE
 from indoor_explorers.env.grid.compiled import leaf
+from indoor_explorers.env.grid.levels import beside, degree
 
 
 def connected_parts(free: Mask) -> tuple[Distances, np.ndarray]:
-    """Label the 4-connected parts of a (H, W) bool mask; return (labels, cells in each label)."""
+    """Label the parts of a bool mask (H, W) or (L, H, W), 4- or 6-connected; return (labels, cells in each label)."""
     from scipy import ndimage
 
     labels, count = ndimage.label(free)
@@ -41,7 +42,9 @@ def spanning_tree(pairs: NDArray[np.integer[Any]], weights: NDArray[np.float64],
 
 
 @leaf(entry=False)
-def label_part(truth: np.ndarray, row: int, col: int, label: int, labels: np.ndarray, queue: np.ndarray) -> int:
+def label_part(
+    truth: np.ndarray, row: int, col: int, label: int, labels: np.ndarray, queue: np.ndarray, rise: int = 0
+) -> int:
     """Write ``label`` into ``labels`` (H, W) int32 at every free cell connected to (row, col) that holds 0.
 
     Returns how many those are; their flat indices are the first entries of ``queue`` (H*W,) int32, nearest first.
@@ -53,8 +56,8 @@ def label_part(truth: np.ndarray, row: int, col: int, label: int, labels: np.nda
     while head < tail:
         r, c = divmod(queue[head], width)
         head += 1
-        for k in range(4):
-            rr, cc = r + MOVES[k, 0], c + MOVES[k, 1]
+        for k in range(degree(rise)):
+            rr, cc = beside(r, c, k, rise)
             if 0 <= rr < height and 0 <= cc < width and truth[rr, cc] == FREE and labels[rr, cc] == 0:
                 labels[rr, cc] = label
                 queue[tail] = rr * width + cc
@@ -137,7 +140,13 @@ def mark_largest_part(truth: np.ndarray, part: np.ndarray, queue: np.ndarray) ->
 
 
 def largest_part(free: Mask) -> Mask:
-    """Return the mask of the largest 4-connected part of ``free``; all False when nothing is free."""
+    """Return the mask of the largest 4-connected part of ``free`` (H, W); all False when nothing is free.
+
+    Of a volume (L, H, W), it is the largest 6-connected part.
+    """
+    if free.ndim > 2:
+        labels, sizes = connected_parts(free)
+        return np.asarray(labels == 1 + np.argmax(sizes[1:])) if len(sizes) > 1 else free.copy()
     part = np.empty(free.shape, np.int32)
     mark_largest_part(free.astype(np.uint8) * FREE, part, np.empty(free.size, np.int32))
     return np.asarray(part == 1)

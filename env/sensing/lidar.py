@@ -2,7 +2,8 @@
 
 ``exact`` is line of sight, see :mod:`indoor_explorers.env.sensing.shadowcasting`; ``marsexplorer`` is the rule of
 MarsExplorer, see :mod:`indoor_explorers.env.sensing.marsexplorer`. Ranges are in cells, Euclidean to a cell's centre,
-and only ``OCCUPIED`` blocks: on a belief map, unknown cells are transparent.
+and only ``OCCUPIED`` blocks: on a belief map, unknown cells are transparent. Over several levels ``exact`` is that of
+:mod:`indoor_explorers.env.sensing.volume`.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.grid.compiled import kernel, leaf
 from indoor_explorers.env.sensing.marsexplorer import SAMPLES, directions, trace
 from indoor_explorers.env.sensing.shadowcasting import Quadrant, scan_quadrant
+from indoor_explorers.env.sensing.volume import VolumeTables, scan_volume, volume_tables
 
 
 class LidarModel(NamedTuple):
@@ -31,6 +33,8 @@ class LidarModel(NamedTuple):
     """(K, 2) directions (rows, columns) of the rays; none in the exact model."""
     disc: int
     """Cells in range, the own left out."""
+    volume: VolumeTables
+    """What it sees over several levels."""
 
 
 class Scan(NamedTuple):
@@ -43,15 +47,22 @@ class Scan(NamedTuple):
 
 
 @lru_cache(maxsize=32)
-def lidar_model(lidar_range: float, model: str = "exact") -> LidarModel:
-    """Return the constants of a lidar range in cells and a model, ``exact`` or ``marsexplorer``."""
+def lidar_model(lidar_range: float, model: str = "exact", levels: int = 1, elevation: float = 90.0) -> LidarModel:
+    """Return the constants of a lidar range in cells and a model, ``exact`` or ``marsexplorer``.
+
+    Over several ``levels`` the lidar sees at most ``elevation`` degrees up and down; the model is ``exact``.
+    """
+    volume = volume_tables(lidar_range, levels, elevation)
     away = np.arange(int(lidar_range + 1e-9) + 1)
     half_widths = np.sqrt(np.maximum(lidar_range**2 - away**2, 0) + 1e-9).astype(np.int64)
     return LidarModel(
         range=float(lidar_range),
         half_widths=half_widths,
         rays=directions() if model == "marsexplorer" else np.empty((0, 2)),
-        disc=int(2 * (2 * half_widths + 1).sum() - (2 * half_widths[0] + 1) - 1),
+        disc=(len(volume.begins) - 1) // 3
+        if levels > 1
+        else int(2 * (2 * half_widths + 1).sum() - (2 * half_widths[0] + 1) - 1),
+        volume=volume,
     )
 
 
@@ -76,6 +87,8 @@ def visible_cells(occupancy: np.ndarray, row: int, col: int, lidar: LidarModel, 
     cells, widths, arcs, out = occupancy.reshape(height * width), lidar.half_widths, scan.arcs, scan.cells
     origin = row * width + col
     out[0] = origin
+    if lidar.volume.levels > 0:
+        return scan_volume(occupancy, row, col, lidar.volume, out)
     if lidar.rays.shape[0] > 0:
         return trace(occupancy, row, col, lidar.range, lidar.rays, out)
     seen = scan_quadrant(

@@ -152,10 +152,12 @@ class Preparation:
             return Prepared(episodes, seeds, empty_starts(0, self._scenario.team, (0, 0)), plans)
         for plan in plans:
             _check_shape(plan.shape, shape or plans[0].shape, plan.name)
+            if plan.level_count != (count := self._scenario.map.level_count):
+                raise InputError(f"{plan.name}: expected a map of {count} levels, got {plan.level_count}")
         starts = empty_starts(len(plans), self._scenario.team, plans[0].shape)
         for k, plan in enumerate(plans):
             starts.truth[k], starts.cell[k] = plan.truth, cells[k]
-        mark_reachable(self._scratch_for(plans[0].shape)[0], starts)
+        mark_reachable(self._scratch_for(plans[0].shape)[0], starts, plans[0].levels.rise)
         if not isinstance(self._scenario.base.at, str):
             for plan, reachable in zip(plans, starts.reachable, strict=True):
                 _check_base(self._scenario.base.at, plan, reachable)

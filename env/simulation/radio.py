@@ -29,17 +29,26 @@ NONE, SQUARE, DISC, LINE_OF_SIGHT, PATH_LOSS, UNLIMITED, CUSTOM, PATH_LOSS_IR2 =
 
 
 @inner()
+def offset(rules: Rules, height: int, row: int, col: int, to_row: int, to_col: int) -> tuple[int, int, int]:
+    """Return levels, rows and columns from one cell of a plane of ``height`` rows to another."""
+    if rules.levels < 2:
+        return 0, to_row - row, to_col - col
+    rise = (height + 1) // rules.levels
+    return to_row // rise - row // rise, to_row % rise - row % rise, to_col - col
+
+
+@inner()
 def in_reach(rules: Rules, occupancy: np.ndarray, row: int, col: int, to_row: int, to_col: int) -> bool:
     """Tell whether the radios in two cells of a true map (H, W) reach each other, without random losses."""
-    rows, cols = row - to_row, col - to_col
+    levels, rows, cols = offset(rules, occupancy.shape[0], row, col, to_row, to_col)
     model, reach = rules.radio_model, rules.radio_range
     if model == NONE:
         return False
     if model == UNLIMITED:
         return True
     if model == SQUARE:
-        return bool(max(abs(rows), abs(cols)) <= reach)
-    squared = rows * rows + cols * cols
+        return bool(max(abs(levels), abs(rows), abs(cols)) <= reach)
+    squared = levels * levels + rows * rows + cols * cols
     if squared > reach * reach + 1e-9:
         return False
     if model == DISC:

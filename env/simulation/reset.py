@@ -17,7 +17,7 @@ from indoor_explorers.env.grid.randomness import Stream, below, stream_key, unif
 from indoor_explorers.env.maps.generators.thesis import Room, draw_room
 from indoor_explorers.env.search.connected_parts import label_part, mark_largest_part
 from indoor_explorers.env.simulation.engine import Engine
-from indoor_explorers.env.simulation.home_base import place_base
+from indoor_explorers.env.simulation.home_base import enter_floors, place_base
 from indoor_explorers.env.simulation.path_loss import MOST_FADING
 from indoor_explorers.env.simulation.state import Rules, State
 from indoor_explorers.env.simulation.step import begin
@@ -87,7 +87,13 @@ def is_attainable(
 
 @leaf()
 def place_team(
-    key: np.uint64, clustered: bool, start: int, truth: np.ndarray, scratch: FloodScratch, out: np.ndarray
+    key: np.uint64,
+    clustered: bool,
+    start: int,
+    truth: np.ndarray,
+    scratch: FloodScratch,
+    out: np.ndarray,
+    rise: int = 0,
 ) -> None:
     """Fill ``out`` (N, 2) with distinct cells of the main part that ``scratch.part`` marks with numbers above 0.
 
@@ -101,7 +107,7 @@ def place_team(
     if clustered:
         first = start if start >= 0 else scratch.queue[below(key, 0, size)]
         scratch.part[:] = 0
-        label_part(truth, first // width, first % width, 1, scratch.part, scratch.queue)
+        label_part(truth, first // width, first % width, 1, scratch.part, scratch.queue, rise)
     for n in range(out.shape[0]):
         if not clustered:
             other = n + below(key, n, size - n)
@@ -110,14 +116,16 @@ def place_team(
 
 
 @inner()
-def _clear(state: State, b: int) -> None:
+def _clear(rules: Rules, state: State, b: int) -> None:
     """Reset everything that an episode changes, except the true map and the cells."""
     state.step[b] = 0
     state.team_covered[b] = 0
     state.union[b, :, :] = 0
+    enter_floors(rules, state.union[b])
     for n in range(state.end.shape[1]):
         state.end[b, n] = 0
         state.belief[b, n, :, :] = 0
+        enter_floors(rules, state.belief[b, n])
         state.sensed[b, n, :, :] = False
         state.visited[b, n, :, :] = False
         state.discovery_log[b, n, :] = 0
@@ -167,7 +175,7 @@ def start_episodes(
     rules, state, lidar, work = engine.rules, engine.state, engine.lidar, engine.work
     for k in range(first, last):
         b = episodes[k]
-        _clear(state, b)
+        _clear(rules, state, b)
         _place(state, starts, k, b)
         _count(rules, state, starts, k, b)
         place_base(rules, state, b)
@@ -181,7 +189,7 @@ def start_episodes(
 
 
 @kernel()
-def mark_reachable(scratch: FloodScratch, starts: Starts) -> None:
+def mark_reachable(scratch: FloodScratch, starts: Starts, rise: int = 0) -> None:
     """Fill ``reachable`` and ``size`` of starts whose maps and spawns are in place."""
     for k in range(starts.size.shape[0]):
         scratch.part[:] = 0
@@ -189,7 +197,7 @@ def mark_reachable(scratch: FloodScratch, starts: Starts) -> None:
         for n in range(starts.cell.shape[1]):
             row, col = starts.cell[k, n, 0], starts.cell[k, n, 1]
             if scratch.part[row, col] == 0:
-                starts.size[k] += label_part(starts.truth[k], row, col, 1, scratch.part, scratch.queue)
+                starts.size[k] += label_part(starts.truth[k], row, col, 1, scratch.part, scratch.queue, rise)
         _mark(starts.reachable[k], scratch.part)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.grid.cells import FREE
+from indoor_explorers.env.grid.levels import Voxel
 from indoor_explorers.env.grid.randomness import Stream, stream_key
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.scenarios.scenario import Scenario
@@ -41,7 +42,7 @@ def draw_spawns(scenario: Scenario, floorplan: Floorplan, seed: int) -> list[Cel
     scratch.part[:] = floorplan.main_part
     start = -1 if floorplan.start is None else floorplan.start[0] * floorplan.shape[1] + floorplan.start[1]
     key = np.uint64(stream_key(seed, Stream.SPAWN))
-    place_team(key, scenario.spawn == "clustered", start, floorplan.truth, scratch, chosen)
+    place_team(key, scenario.spawn == "clustered", start, floorplan.truth, scratch, chosen, floorplan.levels.rise)
     return [(int(row), int(col)) for row, col in chosen]
 
 
@@ -54,17 +55,18 @@ def _check_space(floorplan: Floorplan, team: int) -> None:
         )
 
 
-def checked_spawns(spawns: Sequence[Cell], floorplan: Floorplan, team: int) -> list[Cell]:
+def checked_spawns(spawns: Sequence[Cell | Voxel], floorplan: Floorplan, team: int) -> list[Cell]:
     """Return listed spawns; refuse a wrong number of them and cells that are not free or not distinct."""
     if len(spawns) != team:
         raise InputError(f"expected a spawn for each of {team} UAVs, got {len(spawns)}")
     height, width = floorplan.shape
-    for number, (row, col) in enumerate(spawns):
+    cells = [floorplan.levels.cell(cell) if len(cell) == 3 else cell for cell in spawns]
+    for number, (row, col) in enumerate(cells):
         if not (0 <= row < height and 0 <= col < width and floorplan.truth[row, col] == FREE):
             raise InputError(
                 f"{floorplan.name}: spawn {number} at ({row}, {col}) is no free cell of this {height} x {width} map; "
                 "list a free one"
             )
-    if len({(int(row), int(col)) for row, col in spawns}) < len(spawns):
+    if len({(int(row), int(col)) for row, col in cells}) < len(cells):
         raise InputError(f"{floorplan.name}: two UAVs cannot spawn in the same cell; list different cells")
-    return list(spawns)
+    return cells

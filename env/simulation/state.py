@@ -1,6 +1,7 @@
 """The state of a batch of episodes as plain arrays, and the rules as plain numbers.
 
-Axes: B episodes, N agents, H rows, W columns, ``cells`` = H * W. Compiled kernels read and write these; everything else
+Axes: B episodes, N agents, H rows, W columns, ``cells`` = H * W; of maps with several levels, H and W are those of
+their plane. Compiled kernels read and write these; everything else
 goes through :class:`indoor_explorers.env.simulation.world.World`.
 """
 
@@ -84,6 +85,8 @@ class Rules(NamedTuple):
     base_radius: float
     goal_of_base: bool
     """Whether the goal is the base's coverage."""
+    levels: int
+    """L, levels of the maps, which lie in a plane (:mod:`indoor_explorers.env.grid.levels`)."""
 
 
 def rules_of(scenario: Scenario) -> Rules:
@@ -123,6 +126,7 @@ def rules_of(scenario: Scenario) -> Rules:
         base_col=-1 if isinstance(scenario.base.at, str) else scenario.base.at[1],
         base_radius=scenario.base.radius,
         goal_of_base=scenario.base.must_return,
+        levels=scenario.map.level_count,
     )
 
 
@@ -162,7 +166,7 @@ class State(NamedTuple):
     """Row and column."""
     believed_cell: Annotated[NDArray[np.int64], "B N 2"]
     """Each agent's estimate of its cell: the same array as ``cell`` without pose errors."""
-    legal: Annotated[NDArray[np.bool_], "B N 5"]
+    legal: Annotated[NDArray[np.bool_], "B N moves"]
     """Actions that end neither in a wall nor off the map."""
     belief: Annotated[NDArray[np.uint8], "B N H W"]
     """0 unknown, 1 free, 2 occupied."""
@@ -239,12 +243,22 @@ class State(NamedTuple):
 
 
 def empty_state(
-    batch: int, team: int, shape: tuple[int, int], window: int, *, base: bool = False, uncertain: bool = False
+    batch: int,
+    team: int,
+    shape: tuple[int, int],
+    window: int,
+    *,
+    base: bool = False,
+    uncertain: bool = False,
+    moves: int = 5,
 ) -> State:
-    """Allocate the state of ``batch`` episodes; ``base``: with a home base, ``uncertain``: poses may be wrong."""
+    """Allocate the state of ``batch`` episodes; ``base``: with a home base, ``uncertain``: poses may be wrong.
+
+    ``moves`` is that of the maps' levels.
+    """
     sizes = dict(zip(("H", "W", "base_H", "base_W"), (*shape, *(shape if base else (0, 0))), strict=True))
     sizes |= {"cells": sizes["H"] * sizes["W"], "base_cells": sizes["base_H"] * sizes["base_W"]}
-    state = allocated(State, B=batch, N=team, window=window, message=MESSAGE_LIMIT, **sizes)
+    state = allocated(State, B=batch, N=team, window=window, message=MESSAGE_LIMIT, moves=moves, **sizes)
     return state if uncertain else state._replace(believed_cell=state.cell)
 
 

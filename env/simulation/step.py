@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from indoor_explorers.env.grid.cells import MOVES, OCCUPIED, UNKNOWN
+from indoor_explorers.env.grid.cells import OCCUPIED, UNKNOWN
 from indoor_explorers.env.grid.compiled import inner, kernel, leaf
+from indoor_explorers.env.grid.levels import beside, degree
 from indoor_explorers.env.grid.randomness import shuffled
 from indoor_explorers.env.scenarios.codes import RadioModel, StuckRule
 from indoor_explorers.env.sensing.lidar import LidarModel, Scan, visible_cells
@@ -73,7 +74,7 @@ def move(rules: Rules, state: State, b: int, agent: int, action: int) -> bool:
     """Carry out one agent's action; return whether it now is in another cell."""
     if action == 4:
         return False
-    row, col = state.cell[b, agent, 0] + MOVES[action, 0], state.cell[b, agent, 1] + MOVES[action, 1]
+    row, col = beside(state.cell[b, agent, 0], state.cell[b, agent, 1], action - (action > 4), rise_of(rules, state))
     if row < 0 or row >= state.truth.shape[1] or col < 0 or col >= state.truth.shape[2]:
         return _crash(rules, state, b, agent, OUT_OF_BOUNDS, rules.reward_out_of_bounds)
     if state.truth[b, row, col] == OCCUPIED:
@@ -137,14 +138,19 @@ def finish_step(rules: Rules, state: State, b: int) -> None:
 
 
 @inner()
-def update_legal(state: State, b: int, agent: int, occupancy: np.ndarray) -> None:
+def rise_of(rules: Rules, state: State) -> int:
+    """Return the rows from a cell to the one a level higher; 0 where there is one level."""
+    return (state.truth.shape[1] + 1) // rules.levels if rules.levels > 1 else 0
+
+
+@inner()
+def update_legal(rules: Rules, state: State, b: int, agent: int, occupancy: np.ndarray) -> None:
     """Set which moves from where an agent believes to be end neither off a map (H, W) nor in an obstacle of it."""
-    height, width = occupancy.shape
-    for action in range(4):
-        row = state.believed_cell[b, agent, 0] + MOVES[action, 0]
-        col = state.believed_cell[b, agent, 1] + MOVES[action, 1]
+    (height, width), rise = occupancy.shape, rise_of(rules, state)
+    for k in range(degree(rise)):
+        row, col = beside(state.believed_cell[b, agent, 0], state.believed_cell[b, agent, 1], k, rise)
         inside = 0 <= row < height and 0 <= col < width
-        state.legal[b, agent, action] = inside and occupancy[row, col] != OCCUPIED
+        state.legal[b, agent, k + (k > 3)] = inside and occupancy[row, col] != OCCUPIED
     state.legal[b, agent, 4] = True
 
 
@@ -158,7 +164,7 @@ def begin(rules: Rules, state: State, lidar: LidarModel, work: Work, b: int) -> 
     for n in range(state.end.shape[1]):
         if rules.exact_scans:
             sense(state, lidar, b, n, work.scan)
-        update_legal(state, b, n, state.truth[b])
+        update_legal(rules, state, b, n, state.truth[b])
     if rules.exact_scans and rules.radio_model != CUSTOM_RADIO:
         _contact(ExactParts(rules, state, work), b)
 
@@ -198,7 +204,7 @@ def _move_all(rules: Rules, state: State, lidar: LidarModel, work: Work, b: int,
             if move(rules, state, b, n, actions[b, n]):
                 if rules.exact_scans:
                     sense(state, lidar, b, n, work.scan)
-                update_legal(state, b, n, state.truth[b])
+                update_legal(rules, state, b, n, state.truth[b])
     state.step[b] += 1
 
 

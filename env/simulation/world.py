@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Belief, Cell, Mask, copied, read_only
+from indoor_explorers.env.grid.levels import Levels
 from indoor_explorers.env.grid.randomness import Stream, generator
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.policies.policy import checked_action, integers
@@ -164,7 +165,10 @@ class World:
     def _allocate(self, shape: tuple[int, int]) -> None:
         window = self.scenario.stuck.window if self.scenario.stuck.rule == "oscillation" else 1
         exists, uncertain = self.scenario.base.exists, self.scenario.uncertain
-        self._state = empty_state(self.batch, self.scenario.team, shape, window, base=exists, uncertain=uncertain)
+        moves = Levels.of(shape, self.scenario.map.level_count).moves
+        self._state = empty_state(
+            self.batch, self.scenario.team, shape, window, base=exists, uncertain=uncertain, moves=moves
+        )
         if uncertain:
             self.slam = empty_slam(self.scenario, self.batch, shape)
         self._bind(self._state)
@@ -173,7 +177,8 @@ class World:
         """Bind the arrays to an engine of compiled code for each thread."""
         if self.slam is not None:
             self._models = UncertainModel(self.scenario, self.slam)
-        rules, lidar = rules_of(self.scenario), lidar_model(self.scenario.lidar.range, self.scenario.lidar.model)
+        rules, sensor = rules_of(self.scenario), self.scenario.lidar
+        lidar = lidar_model(sensor.range, sensor.model, rules.levels, sensor.elevation)
         self._engines = [
             bind(rules, state, lidar, new_work(lidar, self.scenario.team)) for _ in range(self._threads.count)
         ]
@@ -182,7 +187,9 @@ class World:
         """Return the true map of an episode and its facts."""
         plan = self._floorplans[episode]
         if plan is None:
-            plan = self._floorplans[episode] = Floorplan(self.state.truth[episode].copy(), self.scenario.map.source)
+            maps = self.scenario.map
+            truth = self.state.truth[episode].copy()
+            plan = self._floorplans[episode] = Floorplan(truth, maps.source, level_count=maps.level_count)
         return plan
 
     def prior(self, episode: int) -> Belief | None:
@@ -268,6 +275,7 @@ class World:
             rng=generator(self.seeds[episode], Stream.PILOT, agent),
             truth=read_only(self.state.truth[episode]) if privileged else None,
             starts=tuple((row, col) for row, col in self.state.cell[episode].tolist()) if privileged else None,
+            level_count=self.scenario.map.level_count,
             base=tuple(self.state.base_cell[episode].tolist()) if self.scenario.base.exists else None,
             prior=self.prior(episode),
         )

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Belief, Cell, Distances, Mask
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNREACHABLE, Action
+from indoor_explorers.env.grid.levels import action_between
 from indoor_explorers.env.policies.explanation import Explanation
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.registry import make_policy
@@ -18,7 +19,6 @@ from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.sensing.inverse_model import HIT, PASS
 from indoor_explorers.planners.toolbox.explorers import ExploringWith, added, with_added, without_added
 from indoor_explorers.planners.toolbox.localisation.trajectory import Trajectory
-from indoor_explorers.planners.toolbox.navigation.navigator import action_between
 from indoor_explorers.planners.toolbox.navigation.paths import Paths, without
 from indoor_explorers.planners.toolbox.parameters import bounded
 

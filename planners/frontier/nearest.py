@@ -30,10 +30,12 @@ class FrontierNearest(Policy):
 class NearestPilot(GoalPilot):
     """Keep the nearest frontier cell as goal until it is no frontier cell any more."""
 
+    changes_levels: ClassVar[bool] = True
+
     def choose(self, view: View) -> Cell | None:
         """Return the nearest frontier cell."""
         if self.explaining:
-            clusters = frontier_clusters(view.belief, self.briefing.lidar_range)
+            clusters = frontier_clusters(view.belief, self.briefing.lidar_range, self.paths.rise)
             cells, steps = nearest_cells(self.steps_from(view, view.cell), clusters)
             self.consider(cells, "steps, negative", -steps, steps=steps)
         return self.nearest_frontier(view)

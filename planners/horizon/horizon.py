@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.cells import Action
+from indoor_explorers.env.grid.levels import action_between
 from indoor_explorers.env.maps.generators.thesis import ThesisMaps
 from indoor_explorers.env.policies.explanation import Explanation
 from indoor_explorers.env.policies.policy import Pilot, Policy
@@ -20,7 +21,6 @@ from indoor_explorers.planners.horizon.rollout_choice import RolloutSelection
 from indoor_explorers.planners.horizon.room_prior import RoomPrior
 from indoor_explorers.planners.horizon.tour_planner import TourPlanner
 from indoor_explorers.planners.toolbox.navigation.deadlock import DeadlockResolver
-from indoor_explorers.planners.toolbox.navigation.navigator import action_between
 from indoor_explorers.planners.toolbox.navigation.paths import Paths, map_stamp
 from indoor_explorers.planners.toolbox.navigation.teammates import remembered
 from indoor_explorers.planners.toolbox.parameters import Parameters, bounded, one_of

@@ -28,7 +28,7 @@ _HEADERS = {(1, 0): (npy.read_array_header_1_0, 2), (2, 0): (npy.read_array_head
 
 
 def read_npy(path: Path, fits: Fits | None = None) -> Belief:
-    """Read a ``.npy`` array as (H, W) uint8 cells (0 unknown, 1 free, 2 occupied).
+    """Read a ``.npy`` array as (H, W) or (L, H, W) uint8 cells (0 unknown, 1 free, 2 occupied); L levels, lowest first.
 
     - bool and unsigned integers: 0 is free, all else occupied;
     - signed integers: 0 is free, -1 unknown, all else occupied; but where the largest value is from 66 to 100, the
@@ -44,7 +44,7 @@ def read_npy(path: Path, fits: Fits | None = None) -> Belief:
         shape, dtype = _parse_header(path, file)
         _check(path, shape, dtype)
         if fits is not None:
-            fits((shape[0], shape[1]), 1.0)
+            fits((int(np.prod(shape[:-1])), shape[-1]), 1.0)
         file.seek(0)
         array = np.load(file, allow_pickle=False)
     return occupancy(path, array)
@@ -74,13 +74,26 @@ def _check(path: Path, shape: tuple[int, ...], dtype: np.dtype[Any]) -> None:
     """Raise unless the array is a grid of numbers that is not too large."""
     if dtype.kind not in "biuf":
         raise InputError(f"{path}: expected bools, integers or floats, got {str(dtype)[:40]}; save one of these")
-    if len(shape) != 2 or min(shape) < 1:
-        raise InputError(f"{path}: expected rows and columns, got an array of shape {str(shape)[:60]}; save one map")
-    check_pixels(path, shape, "cells")
+    if len(shape) not in (2, 3) or min(shape) < 1:
+        raise InputError(
+            f"{path}: expected rows and columns, or levels, rows and columns, got an array of shape {str(shape)[:60]}; "
+            "save one map"
+        )
+    check_pixels(path, (int(np.prod(shape[:-1])), shape[-1]), "cells")
+
+
+def levels_of(path: Path) -> int:
+    """Return how many levels the map of a file has by its header; 1 where there is none that can be read."""
+    try:
+        with path.open("rb") as file:
+            shape, _ = _parse_header(path, file)
+    except (OSError, ValueError, EOFError):
+        return 1
+    return max(1, shape[0]) if len(shape) > 2 else 1
 
 
 def occupancy(path: Path, values: NDArray[Any]) -> Belief:
-    """Classify an (H, W) array of numbers as :func:`read_npy` says; ``path`` names it in errors."""
+    """Classify an (H, W) or (L, H, W) array of numbers as :func:`read_npy` says; ``path`` names it in errors."""
     kind = values.dtype.kind
     if kind in "bu":
         return np.where(values == 0, FREE, OCCUPIED).astype(np.uint8)
@@ -106,12 +119,13 @@ def inverted_notes(path: Path, cells: Belief) -> tuple[str, ...]:
     with path.open("rb") as file:
         _, dtype = _parse_header(path, file)
     free, border = cells == FREE, np.ones(cells.shape, np.bool_)
-    border[1:-1, 1:-1] = False
+    border[..., 1:-1, 1:-1] = False
     if dtype.kind != "b" or border.all() or not free[border].mean() > max(0.5, free[~border].mean()):
         return ()
     return (f"{path.name}: the border is free and the inside is not: True is a wall; if it was to be free, save ~mask",)
 
 
 def _first(values: NDArray[Any], wrong: NDArray[np.bool_]) -> str:
-    row, col = np.unravel_index(int(np.argmax(wrong)), wrong.shape)
-    return f"{values[row, col]} in row {row}, column {col}"
+    place = np.unravel_index(int(np.argmax(wrong)), wrong.shape)
+    level = f"level {place[0]}, " if len(place) > 2 else ""
+    return f"{values[place]} in {level}row {place[-2]}, column {place[-1]}"

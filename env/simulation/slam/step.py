@@ -88,7 +88,7 @@ def _share_scans(parts: SlamParts, b: int, linked: bool, based: bool) -> None:
         share(parts, b, based)
     for n in range(state.end.shape[1]):
         place_agent(state, parts.slam, b, n)
-        update_legal(state, b, n, state.belief[b, n])
+        update_legal(parts.rules, state, b, n, state.belief[b, n])
 
 
 _contact, _fail_and_contact = contacts_of(_share_scans, forget_lost)

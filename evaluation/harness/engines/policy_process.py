@@ -90,7 +90,7 @@ class PolicyServer:
         assert self._pilots is not None
         one = any_briefing(briefings)
         uavs = [(episode, n) for episode, team in briefings.items() for n in range(len(team))]
-        self._views.begin(uavs, one.shape, uncertain=one.scenario.uncertain)
+        self._views.begin(uavs, one.shape, uncertain=one.scenario.uncertain, moves=one.levels.moves)
         mine = {episode: [_sealed(briefing) for briefing in team] for episode, team in briefings.items()}
         return list(self._pilots.brief(mine).items())
 

@@ -58,7 +58,9 @@ class RemotePilots:
         one = any_briefing(briefings)
         self._actions = one.scenario.actions
         uavs = [(episode, agent) for episode, team in briefings.items() for agent in range(len(team))]
-        self._process.views.begin(uavs, one.shape, writing=True, uncertain=one.scenario.uncertain)
+        self._process.views.begin(
+            uavs, one.shape, writing=True, uncertain=one.scenario.uncertain, moves=one.levels.moves
+        )
         with self._checking:
             failed = self._process.ask("brief", dict(briefings))
             return {_one_of(briefings, episode): _line(reason) for episode, reason in failed}

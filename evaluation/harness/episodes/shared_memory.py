@@ -150,14 +150,20 @@ class SharedViews(SharedClock):
     """
 
     def begin(
-        self, uavs: Sequence[Uav], shape: tuple[int, int], *, writing: bool = False, uncertain: bool = False
+        self,
+        uavs: Sequence[Uav],
+        shape: tuple[int, int],
+        *,
+        writing: bool = False,
+        uncertain: bool = False,
+        moves: int = 5,
     ) -> None:
         """Lay out the arrays of some UAVs on (H, W) maps; those of the batch before show other UAVs from now on.
 
-        ``uncertain``: the maps are of log-odds.
+        ``uncertain``: the maps are of log-odds; ``moves`` is that of the maps' levels.
         """
         there = {name: array for name, array in LIVE_ARRAYS.items() if uncertain or not array.uncertain}
-        fields = [(name, array.dtype, array.shape_on(shape)) for name, array in there.items()]
+        fields = [(name, array.dtype, array.shape_on(shape, moves)) for name, array in there.items()]
         rows = self._rows(len(uavs), np.dtype(fields, align=True), writing=writing)
         shown = np.asarray if writing else read_only
         self.arrays: dict[Uav, Arrays] = {

@@ -133,9 +133,12 @@ def _clustered(mask: np.ndarray, radius: float, cells: np.ndarray, ends: np.ndar
     return int(count)
 
 
-def frontier_clusters(belief: Belief, lidar_range: float) -> Clusters:
-    """Return the clusters of all frontier cells of a (H, W) belief, in row-major order of their groups."""
-    mask = frontier_mask(belief)
+def frontier_clusters(belief: Belief, lidar_range: float, rise: int = 0) -> Clusters:
+    """Return the clusters of all frontier cells of a (H, W) belief, in row-major order of their groups.
+
+    Where there are levels, each cluster is on one of them.
+    """
+    mask = frontier_mask(belief, rise)
     total = np.count_nonzero(mask)
     cells, ends = np.empty(total, np.int32), np.zeros(total + 1, np.int64)
     return Clusters(cells, ends[: _clustered(mask, SPREAD * lidar_range, cells, ends)])

@@ -19,7 +19,8 @@ from collections.abc import Iterable
 import numpy as np
 
 from indoor_explorers.env.grid.arrays import Belief, Cell, Mask
-from indoor_explorers.env.grid.cells import FREE, MOVES, Action
+from indoor_explorers.env.grid.cells import FREE, Action
+from indoor_explorers.env.grid.levels import target_of
 from indoor_explorers.env.policies.view import View
 from indoor_explorers.planners.toolbox.navigation.paths import Paths, without
 
@@ -37,15 +38,13 @@ BACK_OFF, SHORT_WAIT = 0.1, 4
 CHOICE = 12
 
 
-def target_of(cell: Cell, action: int) -> Cell:
-    """Return the cell that an action leads to."""
-    return cell[0] + int(MOVES[action, 0]), cell[1] + int(MOVES[action, 1])
-
-
-def passing_places(belief: Belief) -> Mask:
-    """Return which cells of a (H, W) belief are free and have three free 4-neighbours or more, (H, W) bool."""
+def passing_places(belief: Belief, rise: int = 0) -> Mask:
+    """Return which cells of a (H, W) belief are free and have three free neighbours or more, (H, W) bool."""
     free = np.pad(belief == FREE, 1).astype(np.int8)
     around = free[:-2, 1:-1] + free[2:, 1:-1] + free[1:-1, :-2] + free[1:-1, 2:]
+    if rise > 0:
+        around[rise:] += free[1 : -1 - rise, 1:-1]
+        around[:-rise] += free[1 + rise : -1, 1:-1]
     return np.asarray((around >= 3) & (free[1:-1, 1:-1] > 0))
 
 
@@ -58,7 +57,7 @@ def path_to_passing_place(
     """
     barred = list(barred)
     steps = paths.field(without(belief, barred), cell)
-    found = np.flatnonzero(passing_places(belief) & (steps > 0) & (steps <= reach))
+    found = np.flatnonzero(passing_places(belief, paths.rise) & (steps > 0) & (steps <= reach))
     if len(found) == 0:
         return None
     nearest = found[np.argsort(steps.ravel()[found], kind="stable")[:CHOICE]]
@@ -86,7 +85,7 @@ class DeadlockResolver:
 
     def expect(self, cell: Cell, action: int) -> None:
         """Store the move that is commanded in this step."""
-        self._expected = None if action == Action.STAY else target_of(cell, action)
+        self._expected = None if action == Action.STAY else target_of(cell, action, self._paths.rise)
 
     def should_make_way(self, view: View) -> bool:
         """Tell whether moves have failed often enough and the random decision is to make way."""
@@ -115,7 +114,7 @@ class DeadlockResolver:
         path = path_to_passing_place(self._paths, view.belief, view.cell, reach, self._rng, barred)
         if path:
             longest_wait = min(WAIT_FACTOR * len(path), LONGEST_WAIT) - 1
-        elif passing_places(view.belief)[view.cell] or self._rng.random() < BACK_OFF:
+        elif passing_places(view.belief, self._paths.rise)[view.cell] or self._rng.random() < BACK_OFF:
             path = self._paths.to_anywhere(view.belief, view.cell, reach, self._rng, barred)
             longest_wait = min(self._reach, SHORT_WAIT) if path else 0
         self._retreat = path or []

@@ -53,6 +53,8 @@ class GoalPilot(Pilot):
     its goal.
     """
 
+    changes_levels: ClassVar[bool] = False
+    """Whether the planner plans over all levels of a map of several; those that do not, stay on theirs."""
     straight: ClassVar[bool] = False
     """Whether to fly the straightest shortest path (:mod:`~.straight_paths`)."""
 
@@ -63,7 +65,7 @@ class GoalPilot(Pilot):
     def __init__(self, briefing: Briefing) -> None:
         self.briefing = briefing
         self.rng = briefing.rng
-        self.navigator = Navigator(briefing, straight=self.straight)
+        self.navigator = Navigator(briefing, straight=self.straight, rise=briefing.rise if self.changes_levels else 0)
         self.paths = self.navigator.paths
         self.plans = 0
         """Number of goals chosen so far."""
@@ -83,7 +85,7 @@ class GoalPilot(Pilot):
 
     def is_spent(self, view: View, goal: Cell) -> bool:
         """Tell whether a goal is no longer useful: by default, if it is no frontier cell."""
-        return not on_frontier(view.belief, goal[0] * self.paths.width + goal[1])
+        return not on_frontier(view.belief, goal[0] * self.paths.width + goal[1], self.paths.rise)
 
     def wants_replan(self, view: View) -> bool:
         """Tell whether to choose again although the goal is still useful; called at every step.

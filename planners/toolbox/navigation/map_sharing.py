@@ -100,7 +100,7 @@ class MapSharing:
         for _ in range(steps):
             seen = scan(view.belief, cell, self._lidar_range)
             np.copyto(belief, seen, where=seen != UNKNOWN)
-            if not path or not on_frontier(belief, path[-1][0] * self._paths.width + path[-1][1]):
+            if not path or not on_frontier(belief, path[-1][0] * self._paths.width + path[-1][1], self._paths.rise):
                 path = self._next_path(belief, cell, greedy=mate.forecasts == 0)
             if not path:
                 break
@@ -114,7 +114,7 @@ class MapSharing:
         if greedy or rng.random() < 0.5:
             return (self._paths.to_frontier(belief, cell, rng) or [])[1:]
         steps = self._paths.field(belief, cell)
-        cells = np.argwhere(frontier_mask(belief) & (steps < UNREACHABLE))
+        cells = np.argwhere(frontier_mask(belief, self._paths.rise) & (steps < UNREACHABLE))
         if not len(cells):
             return []
         away = steps[cells[:, 0], cells[:, 1]]

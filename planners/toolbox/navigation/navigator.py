@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Belief, Cell, Distances, Mask
-from indoor_explorers.env.grid.cells import MOVES
+from indoor_explorers.env.grid.levels import action_between
 from indoor_explorers.env.policies.renamed import renamed_property
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.toolbox.navigation.deadlock import DeadlockResolver
@@ -19,13 +19,6 @@ BAN_STEPS = 50
 #: Once every goal was banned, as behind a teammate that has stopped, any length is taken until the map grows.
 DETOUR_FACTOR, DETOUR_CELLS = 1.5, 4
 
-_ACTIONS = {(int(row), int(col)): action for action, (row, col) in enumerate(MOVES)}
-
-
-def action_between(cell: Cell, following: Cell) -> int:
-    """Return the action that leads from a cell to the same or an adjacent one."""
-    return _ACTIONS[following[0] - cell[0], following[1] - cell[1]]
-
 
 class Navigator:
     """Keep the goal of one UAV, the path to it and the banned goals, and resolve deadlocks.
@@ -37,11 +30,13 @@ class Navigator:
         briefing: Briefing of the UAV.
         straight: Whether to fly the straightest shortest path
             (:mod:`~indoor_explorers.planners.toolbox.navigation.straight_paths`).
+        rise: That of the map where the UAV changes levels (:mod:`indoor_explorers.env.grid.levels`), 0 where it does
+            not.
 
     """
 
-    def __init__(self, briefing: Briefing, *, straight: bool = False) -> None:
-        self.paths = Paths(briefing.shape)
+    def __init__(self, briefing: Briefing, *, straight: bool = False, rise: int = 0) -> None:
+        self.paths = Paths(briefing.shape, rise)
         self.deadlock = DeadlockResolver(self.paths, briefing.rng)
         self.goal: Cell | None = None
         self.map_grew = False
@@ -176,13 +171,13 @@ class Navigator:
 
     def command(self, view: View, following: Cell) -> int:
         """Return the action that leads to an adjacent cell, and store the move to detect its failure."""
-        action = action_between(view.cell, following)
+        action = action_between(view.cell, following, self.paths.rise)
         self.deadlock.expect(view.cell, action)
         return action
 
     def _shortest(self, view: View, goal: Cell) -> list[Cell]:
         if self._straight:
-            return straight_path(view.belief, view.cell, goal)
+            return straight_path(view.belief, view.cell, goal, self.paths.rise)
         return self.paths.to(view.belief, view.cell, goal) or []
 
     def _make_way(self, view: View) -> None:

@@ -61,6 +61,7 @@ def search_frontier(
     ties: np.uint64,
     buffers: SearchBuffers,
     number: int,
+    rise: int = 0,
 ) -> int:
     """Return the flat frontier cell of a (H, W) belief nearest to ``start``, -1 for none.
 
@@ -77,11 +78,11 @@ def search_frontier(
             if best >= 0:
                 break
             layer_end = tail
-        if on_frontier(belief, cell) and not _is_near(cell, width, avoid):
+        if on_frontier(belief, cell, rise) and not _is_near(cell, width, avoid):
             rank = draw(ties, np.uint64(cell))
             if best < 0 or rank < best_rank:
                 best, best_rank = cell, rank
-        tail = expand(cells, width, cell, buffers, number, tail)
+        tail = expand(cells, width, cell, buffers, number, tail, rise)
         head += 1
     return best
 
@@ -109,11 +110,11 @@ def without(belief: Belief, barred: Iterable[Cell]) -> Belief:
 
 
 class Paths:
-    """Find paths for one pilot on maps of one shape, with reused buffers."""
+    """Find paths for one pilot on maps of one shape, with reused buffers; ``rise`` is 0 on maps of one level."""
 
-    def __init__(self, shape: tuple[int, int]) -> None:
+    def __init__(self, shape: tuple[int, int], rise: int = 0) -> None:
         size = shape[0] * shape[1]
-        self.width = shape[1]
+        self.width, self.rise = shape[1], rise
         self._buffers = SearchBuffers(np.empty(size, np.int32), np.empty(size, np.int32), np.zeros(size, np.int32))
         self._number = 0
 
@@ -128,7 +129,7 @@ class Paths:
     def to(self, belief: Belief, cell: Cell, goal: Cell, barred: Iterable[Cell] = ()) -> list[Cell] | None:
         """Return a shortest path on a (H, W) belief from ``cell`` to ``goal``, both included; None if there is none."""
         start, end = cell[0] * self.width + cell[1], goal[0] * self.width + goal[1]
-        if not search_to(belief, start, end, self.flat(barred), self._buffers, self._next()):
+        if not search_to(belief, start, end, self.flat(barred), self._buffers, self._next(), self.rise):
             return None
         return self._traced(end)
 
@@ -141,7 +142,7 @@ class Paths:
         """
         ties = rng.integers(2**64, dtype=np.uint64)
         start = cell[0] * self.width + cell[1]
-        end = search_frontier(belief, start, self.flat(avoid), ties, self._buffers, self._next())
+        end = search_frontier(belief, start, self.flat(avoid), ties, self._buffers, self._next(), self.rise)
         return self._traced(end) if end >= 0 else None
 
     def to_anywhere(
@@ -152,7 +153,7 @@ class Paths:
         ``belief`` is (H, W). The cell is drawn from the farther half of these cells.
         """
         start = cell[0] * self.width + cell[1]
-        found = search_within(belief, start, reach, self.flat(barred), self._buffers, self._next())
+        found = search_within(belief, start, reach, self.flat(barred), self._buffers, self._next(), self.rise)
         if found < 2:
             return None
         return self._traced(int(self._buffers.queue[int(rng.integers(max(1, found // 2), found))]))
@@ -160,7 +161,7 @@ class Paths:
     def field(self, belief: Belief, cell: Cell) -> Distances:
         """Return the (H, W) int32 field of steps from ``cell`` through known free cells."""
         out = np.empty(belief.shape, np.int32)
-        distances_from(belief, cell[0], cell[1], self._buffers.queue, out)
+        distances_from(belief, cell[0], cell[1], self._buffers.queue, out, self.rise)
         return out
 
     def matrix(self, belief: Belief, cells: Cells, known: Distances | None = None) -> Distances:
@@ -172,7 +173,7 @@ class Paths:
         steps = np.full((len(cells), len(cells)), -1, np.int32) if known is None else np.array(known, np.int32)
         steps[steps >= UNREACHABLE] = -1
         np.fill_diagonal(steps, 0)
-        fill_distances(belief, cells, steps, self._buffers, first)
+        fill_distances(belief, cells, steps, self._buffers, first, self.rise)
         return steps
 
     def _traced(self, end: int) -> list[Cell]:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.cells import FREE, UNREACHABLE
 from indoor_explorers.env.grid.compiled import inner, kernel, leaf
+from indoor_explorers.env.grid.levels import degree
 
 #: (K,) flat cells.
 Cells = NDArray[np.int32]
@@ -45,15 +46,25 @@ def block(blocked: np.ndarray, buffers: SearchBuffers, number: int) -> None:
 
 
 @inner()
-def expand(cells: np.ndarray, width: int, cell: int, buffers: SearchBuffers, number: int, tail: int) -> int:
+def expand(
+    cells: np.ndarray, width: int, cell: int, buffers: SearchBuffers, number: int, tail: int, rise: int = 0
+) -> int:
     """Append the free neighbours of ``cell`` that search ``number`` has not reached; return the new tail.
 
-    ``cells`` (H*W,) is the flat belief. The neighbours come in the order of the actions: down, left, up, right.
+    ``cells`` (H*W,) is the flat belief. The neighbours come in the order of the actions: down, left, up, right, and
+    where there are levels, above and below.
     """
-    col = np.uint32(cell) % np.uint32(width)
-    inside = (cell + width < cells.shape[0], col > 0, cell >= width, col + 1 < width)
-    for k in range(4):
-        neighbour = cell + (width, -1, -width, 1)[k]
+    col, above = np.uint32(cell) % np.uint32(width), rise * width
+    inside = (
+        cell + width < cells.shape[0],
+        col > 0,
+        cell >= width,
+        col + 1 < width,
+        cell + above < cells.shape[0],
+        cell >= above,
+    )
+    for k in range(degree(rise)):
+        neighbour = cell + (width, -1, -width, 1, above, -above)[k]
         if inside[k] and cells[neighbour] == FREE and buffers.mark[neighbour] != number:
             buffers.mark[neighbour] = number
             buffers.parent[neighbour] = cell
@@ -64,7 +75,7 @@ def expand(cells: np.ndarray, width: int, cell: int, buffers: SearchBuffers, num
 
 @leaf()
 def search_to(
-    belief: np.ndarray, start: int, goal: int, blocked: np.ndarray, buffers: SearchBuffers, number: int
+    belief: np.ndarray, start: int, goal: int, blocked: np.ndarray, buffers: SearchBuffers, number: int, rise: int = 0
 ) -> bool:
     """Search a (H, W) belief from ``start`` until ``goal`` is reached; return whether it was.
 
@@ -76,14 +87,14 @@ def search_to(
     begin(start, buffers, number)
     head, tail = 0, 1
     while head < tail and buffers.mark[goal] != number:
-        tail = expand(cells, width, buffers.queue[head], buffers, number, tail)
+        tail = expand(cells, width, buffers.queue[head], buffers, number, tail, rise)
         head += 1
     return bool(buffers.mark[goal] == number and not barred)
 
 
 @leaf()
 def search_within(
-    belief: np.ndarray, start: int, reach: int, blocked: np.ndarray, buffers: SearchBuffers, number: int
+    belief: np.ndarray, start: int, reach: int, blocked: np.ndarray, buffers: SearchBuffers, number: int, rise: int = 0
 ) -> int:
     """Fill ``buffers.queue`` with the cells at most ``reach`` steps from ``start``, nearest first; return how many.
 
@@ -96,7 +107,7 @@ def search_within(
     while head < tail and steps < reach:
         layer_end = tail
         while head < layer_end:
-            tail = expand(cells, width, buffers.queue[head], buffers, number, tail)
+            tail = expand(cells, width, buffers.queue[head], buffers, number, tail, rise)
             head += 1
         steps += 1
     return tail
@@ -122,7 +133,7 @@ def path_to(parent: np.ndarray, goal: int) -> np.ndarray:
 
 @leaf(entry=False)
 def _measure(
-    belief: np.ndarray, start: int, waiting: np.ndarray, missing: int, buffers: SearchBuffers, number: int
+    belief: np.ndarray, start: int, waiting: np.ndarray, missing: int, buffers: SearchBuffers, number: int, rise: int
 ) -> None:
     """Search until ``missing`` of the places that are ``waiting`` (H*W,) are reached; parents hold steps instead."""
     cells, width, steps = belief.reshape(belief.size), belief.shape[1], buffers.parent
@@ -132,7 +143,7 @@ def _measure(
     head, tail = 0, 1
     while head < tail and missing > 0:
         cell, reached = buffers.queue[head], tail
-        tail = expand(cells, width, cell, buffers, number, tail)
+        tail = expand(cells, width, cell, buffers, number, tail, rise)
         for place in range(reached, tail):
             neighbour = buffers.queue[place]
             steps[neighbour] = steps[cell] + 1
@@ -153,7 +164,7 @@ def _wanted(belief: np.ndarray, cells: np.ndarray, row: np.ndarray, waiting: np.
 
 @kernel()
 def fill_distances(
-    belief: np.ndarray, cells: np.ndarray, steps: np.ndarray, buffers: SearchBuffers, number: int
+    belief: np.ndarray, cells: np.ndarray, steps: np.ndarray, buffers: SearchBuffers, number: int, rise: int = 0
 ) -> None:
     """Replace the negative entries of ``steps`` (K, K) by the steps between (K,) flat cells.
 
@@ -167,7 +178,7 @@ def fill_distances(
         k = int(order[turn])
         missing, exhausted = _wanted(belief, cells, steps[k], waiting), False
         if missing and belief.flat[cells[k]] == FREE:
-            _measure(belief, cells[k], waiting, missing, buffers, number + k)
+            _measure(belief, cells[k], waiting, missing, buffers, number + k, rise)
         for j in range(count):
             waiting[cells[j]], reached[j] = 0, buffers.mark[cells[j]] == number + k
             if steps[k, j] < 0:

@@ -9,13 +9,14 @@ from __future__ import annotations
 import numpy as np
 
 from indoor_explorers.env.grid.arrays import Belief, Cell
-from indoor_explorers.env.grid.cells import MOVES, UNREACHABLE
+from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.grid.compiled import kernel
+from indoor_explorers.env.grid.levels import beside, degree
 from indoor_explorers.env.search.bfs import flood_nearby
 
 
 @kernel(entry=False)
-def _descent(steps: np.ndarray, height: int, width: int, start: int, goal: int) -> np.ndarray:
+def _descent(steps: np.ndarray, height: int, width: int, start: int, goal: int, rise: int) -> np.ndarray:
     """Return the cells from ``start`` to ``goal``, each step reducing the longer of the two axes if it can."""
     path = np.empty(steps[start] + 1, np.int32)
     row, col = divmod(start, width)
@@ -24,8 +25,8 @@ def _descent(steps: np.ndarray, height: int, width: int, start: int, goal: int) 
     for place in range(1, path.shape[0]):
         ahead, best = path.shape[0] - 1 - place, height + width
         next_row, next_col = row, col
-        for k in range(4):
-            r, c = row + MOVES[k, 0], col + MOVES[k, 1]
+        for k in range(degree(rise)):
+            r, c = beside(row, col, k, rise)
             if 0 <= r < height and 0 <= c < width and steps[r * width + c] == ahead:
                 longer = max(abs(goal_row - r), abs(goal_col - c))
                 if longer < best:
@@ -36,16 +37,16 @@ def _descent(steps: np.ndarray, height: int, width: int, start: int, goal: int) 
 
 
 @kernel()
-def _straight(belief: np.ndarray, start: int, goal: int) -> np.ndarray:
+def _straight(belief: np.ndarray, start: int, goal: int, rise: int = 0) -> np.ndarray:
     steps, queue = np.full(belief.size, UNREACHABLE, np.int32), np.empty(belief.size, np.int32)
-    flood_nearby(belief, goal, start, int(UNREACHABLE), queue, steps)
+    flood_nearby(belief, goal, start, int(UNREACHABLE), queue, steps, rise)
     if steps[start] == UNREACHABLE:
         return queue[:0]
-    return _descent(steps, belief.shape[0], belief.shape[1], start, goal)
+    return _descent(steps, belief.shape[0], belief.shape[1], start, goal, rise)
 
 
-def straight_path(belief: Belief, cell: Cell, goal: Cell) -> list[Cell]:
+def straight_path(belief: Belief, cell: Cell, goal: Cell, rise: int = 0) -> list[Cell]:
     """Return a shortest path on a (H, W) belief from ``cell`` to ``goal``, both included; empty if there is none."""
     width = belief.shape[1]
-    path = _straight(belief, cell[0] * width + cell[1], goal[0] * width + goal[1])
+    path = _straight(belief, cell[0] * width + cell[1], goal[0] * width + goal[1], rise)
     return [divmod(place, width) for place in path.tolist()]
