@@ -19,6 +19,7 @@ from indoor_explorers.env.maps.sources import (
     OfficeMap,
     OfficesMaps,
     RoomsMaps,
+    StoreysMaps,
 )
 from indoor_explorers.env.scenarios.codes import StuckRuleName
 from indoor_explorers.env.scenarios.parts import Base, Drift, Lidar, Noise, Radio, Rewards, Stuck
@@ -119,12 +120,19 @@ def _with_camera(preset: Scenario) -> Scenario:
     return preset.model_copy(update={"name": f"{preset.name}-camera", "lidar": lidar})
 
 
+def _with_rings(preset: Scenario) -> Scenario:
+    """Return a building of several levels for UAVs with a lidar of 16 rings, 15 degrees up and down."""
+    lidar = preset.lidar.model_copy(update={"elevation": 15.0})
+    return preset.model_copy(update={"name": f"{preset.name}-rings", "lidar": lidar})
+
+
 def _buildings() -> Iterator[Scenario]:
     """Yield the bundled office and generated buildings, each kind also small."""
     office = _building("office", OfficeMap(), 1500)
     yield from (office, _with_base(office, 2, 900), _with_base(office, 4, 500))
     offices = OfficesMaps(height=40, width=40, corridor=2, room_depth=(3, 5), room_width=(3, 6), crossing=24)
     halls = HallsMaps(height=40, width=40, spacing=(4, 6), aisle=(1, 2), room_depth=(3, 5), room_width=(3, 6))
+    storeys = StoreysMaps(height=24, width=24, room_size=(3, 6), hall_size=(3, 5), corridor=1)
     for name, maps, budget, small in (
         ("rooms", RoomsMaps(), 1000, RoomsMaps(height=40, width=40, room_size=(3, 6), corridor=1)),
         ("offices", OfficesMaps(), 1000, offices),
@@ -133,11 +141,14 @@ def _buildings() -> Iterator[Scenario]:
         ("homes", HomesMaps(), 1000, HomesMaps(height=20, width=25, room_size=(3, 7), door=1)),
         ("cave", CaveMaps(), 1000, CaveMaps(height=40, width=40, chamber=4)),
         ("maze", MazeMaps(), 1500, MazeMaps(height=26, width=26, corridor=1)),
+        ("storeys", StoreysMaps(), None, storeys),
     ):
         building = _building(name, maps, budget)
         yield from (building, _small(building, small))
         if name == "floors":
             yield from (_with_errors(_small(building, small)), _with_camera(_small(building, small)))
+        if name == "storeys":
+            yield _with_rings(building)
 
 
 def _first_phase() -> Iterator[Scenario]:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
-from indoor_explorers.env.grid.compiled import kernel, leaf
+from indoor_explorers.env.grid.compiled import inner, kernel, leaf
 from indoor_explorers.env.sensing.marsexplorer import SAMPLES, directions, trace
 from indoor_explorers.env.sensing.shadowcasting import Quadrant, scan_quadrant
 from indoor_explorers.env.sensing.volume import VolumeTables, scan_volume, volume_tables
@@ -66,6 +66,17 @@ def lidar_model(lidar_range: float, model: str = "exact", levels: int = 1, eleva
     )
 
 
+def model_of(lidar: LidarModel | float) -> LidarModel:
+    """Return a lidar given as its constants, or as its range on maps of one level."""
+    return lidar if isinstance(lidar, LidarModel) else lidar_model(float(lidar))
+
+
+@inner()
+def rise_of(occupancy: np.ndarray, lidar: LidarModel) -> int:
+    """Return the rows of a plane (H, W) from a cell to the one a level higher, 0 for a lidar on one level."""
+    return (occupancy.shape[0] + 1) // lidar.volume.levels if lidar.volume.levels > 0 else 0
+
+
 @kernel()
 def new_scan(lidar: LidarModel) -> Scan:
     """Allocate the working arrays of scans."""
@@ -113,9 +124,9 @@ def unknown_in_view(belief: np.ndarray, row: int, col: int, lidar: LidarModel, s
     return gain
 
 
-def view_gain(belief: Belief, cell: tuple[int, int], lidar_range: float) -> int:
-    """Return how many unknown cells are visible from ``cell`` on a (H, W) belief map."""
-    lidar = lidar_model(float(lidar_range))
+def view_gain(belief: Belief, cell: tuple[int, int], lidar_range: LidarModel | float) -> int:
+    """Return how many unknown cells are visible from ``cell`` on a (H, W) belief map, by a lidar or its range."""
+    lidar = model_of(lidar_range)
     return int(unknown_in_view(belief, cell[0], cell[1], lidar, new_scan(lidar)))
 
 

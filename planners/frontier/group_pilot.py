@@ -8,7 +8,7 @@ its last received cell until it is forgotten (:mod:`indoor_explorers.planners.to
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import Cell, Distances
 from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.policies.view import View
-from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters, frontier_clusters, nearest_cells
+from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters, nearest_cells
 from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
 from indoor_explorers.planners.toolbox.navigation.teammates import GroupMember, group_of, message_of, remembered
 
@@ -53,6 +53,7 @@ class ClusterChoices(NamedTuple):
 class GroupPilot(GoalPilot):
     """Choose again, together with the group, whenever the map has grown."""
 
+    changes_levels: ClassVar[bool] = True
     replan_period: float = 0
 
     @abstractmethod
@@ -80,7 +81,7 @@ class GroupPilot(GoalPilot):
 
     def choices(self, view: View, members: list[GroupMember]) -> ClusterChoices:
         """Return the UAVs and clusters of this decision."""
-        clusters = frontier_clusters(view.belief, self.briefing.lidar_range)
+        clusters = self.clusters(view)
         near = [nearest_cells(self.steps_from(view, member.cell), clusters) for member in members]
         cells, steps = np.stack([cells for cells, _ in near]), np.stack([steps for _, steps in near])
         me = next(i for i, member in enumerate(members) if member.agent == self.briefing.agent)

@@ -54,6 +54,7 @@ class FrontierJoint(SequenceParameters, ReplanParameters, Policy):
 class JointPilot(CandidatePilot):
     """Choose in turn with the linked teammates, some steps after the map has grown."""
 
+    changes_levels: ClassVar[bool] = True
     straight = True
 
     def __init__(self, briefing: Briefing, policy: FrontierJoint) -> None:
@@ -75,9 +76,9 @@ class JointPilot(CandidatePilot):
         ``fields`` (N, H, W) are the steps from the UAVs of the group.
         """
         policy, reach = self._policy, float(self.briefing.lidar_range)
-        ahead = frontier_candidates(view.belief, fields, reach, policy.clusters)
+        ahead = frontier_candidates(view.belief, fields, reach, policy.clusters, self.paths.rise)
         around = local_candidates(
-            view.belief, fields, reach, policy.near, policy.discount_rate / reach, policy.lookouts
+            view.belief, fields, self.lidar, policy.near, policy.discount_rate / reach, policy.lookouts
         )
         around = np.setdiff1d(around, np.concatenate([ahead, self.paths.flat(self.visited)]))
         cells = np.concatenate([ahead, around]).astype(np.int32)

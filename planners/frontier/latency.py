@@ -72,6 +72,7 @@ class ClusterViewpoints(NamedTuple):
 class LatencyPilot(GoalPilot):
     """Order the clusters whenever the map has changed, and fly to the first."""
 
+    changes_levels: ClassVar[bool] = True
     straight = True
 
     def __init__(self, briefing: Briefing, policy: FrontierLatency) -> None:

@@ -11,7 +11,7 @@ from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters, nearest_cells
+from indoor_explorers.planners.toolbox.frontiers.clusters import nearest_cells
 from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
 from indoor_explorers.planners.toolbox.navigation.teammates import ranks, remembered
 
@@ -36,9 +36,11 @@ class FrontierMinPos(Policy):
 class MinPosPilot(GoalPilot):
     """Rank the UAVs for every cluster, and take the cluster with this UAV's best rank."""
 
+    changes_levels: ClassVar[bool] = True
+
     def choose(self, view: View) -> Cell | None:
         """Return the nearest cell of the cluster with the lowest (rank, distance)."""
-        clusters = frontier_clusters(view.belief, self.briefing.lidar_range)
+        clusters = self.clusters(view)
         field = self.steps_from(view, view.cell)
         cells, own = nearest_cells(field, clusters)
         own[self.near_banned(view, cells)] = UNREACHABLE

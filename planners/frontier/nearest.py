@@ -8,7 +8,7 @@ from typing import ClassVar
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters, nearest_cells
+from indoor_explorers.planners.toolbox.frontiers.clusters import nearest_cells
 from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
 
 
@@ -35,7 +35,7 @@ class NearestPilot(GoalPilot):
     def choose(self, view: View) -> Cell | None:
         """Return the nearest frontier cell."""
         if self.explaining:
-            clusters = frontier_clusters(view.belief, self.briefing.lidar_range, self.paths.rise)
+            clusters = self.clusters(view)
             cells, steps = nearest_cells(self.steps_from(view, view.cell), clusters)
             self.consider(cells, "steps, negative", -steps, steps=steps)
         return self.nearest_frontier(view)

@@ -55,7 +55,12 @@ class PredictivePilot(LatencyPilot):
         return self._estimator.estimate(view.belief, clusters)
 
     def outlook(self, view: View, clusters: Clusters, away: Distances) -> Outlook:
-        """Return the outlook of K clusters, ``away`` (K,) steps from the UAV."""
+        """Return the outlook of K clusters, ``away`` (K,) steps from the UAV.
+
+        On maps of several levels, which the network does not know, it is the same for all.
+        """
+        if self.paths.rise > 0:
+            return super().outlook(view, clusters, away)
         known = int(np.count_nonzero(view.belief == FREE))
         estimates = self.estimates(view, clusters)
         self._expected = known / (known + float(estimates.sizes.sum()))

@@ -62,7 +62,7 @@ class UtilityPilot(SequentialPilot):
         if self._policy.form == "size":
             return np.diff(choices.clusters.ends)[choices.numbers].astype(np.float64)
         places, no_claims = choices.viewpoints(), np.empty((0, 2))
-        return unclaimed_gains(view.belief, places, no_claims, self.briefing.lidar_range).astype(np.float64)
+        return unclaimed_gains(view.belief, places, no_claims, self.lidar).astype(np.float64)
 
     def score(self, gains: NDArray[np.float64], costs: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the scores (N, K) of pairs of UAV and cluster."""

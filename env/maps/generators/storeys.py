@@ -26,7 +26,7 @@ class StoreysMaps(GeneratedMaps):
     source: Literal["storeys"] = "storeys"
     storeys: int = Field(2, ge=1, le=32)
     """Storeys, with a slab of one level between each two."""
-    storey_height: int = Field(3, ge=1, le=32)
+    storey_height: int = Field(3, ge=1, le=256)
     """Levels from the floor of a storey to its ceiling."""
     openings: int = Field(2, ge=1, le=64)
     """Openings in each slab."""

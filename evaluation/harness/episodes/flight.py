@@ -15,6 +15,7 @@ from indoor_explorers.env.policies.explanation import SILENT
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
 from indoor_explorers.env.simulation.spawns import draw_floorplan
 from indoor_explorers.evaluation.harness.episodes.record import Record
+from indoor_explorers.evaluation.harness.episodes.resimulate import on_levels
 
 #: What explains the last move of each UAV, step by step from the first on.
 Told = Iterator[list[Explanation | None]]
@@ -88,7 +89,8 @@ def explained_again(record: Record, scenario: Scenario, policy: Policy) -> Told:
         RunError: the policy failed, or flew differently; it is told at the first other move.
 
     """
-    flight = Flight(policy, scenario, record.task.seed, record.floorplan, explaining=True)
+    flown = on_levels(scenario, record.floorplan.level_count)
+    flight = Flight(policy, flown, record.task.seed, record.floorplan, explaining=True)
     for actions in flight.steps():
         if flight.step > record.steps or not np.array_equal(actions, record.actions[flight.step - 1]):
             raise RunError(f"flown again, it took another action at step {flight.step} than recorded")

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from indoor_explorers.env import InputError, Scenario, World
+from indoor_explorers.env.maps.generators.storeys import StoreysMaps
 from indoor_explorers.env.scenarios.validation import validated
 from indoor_explorers.evaluation.harness.episodes.record import Record
 from indoor_explorers.evaluation.harness.episodes.stored_names import MODELS, refusal
@@ -26,13 +27,20 @@ def recorded_scenario(settings: Mapping[str, Any], plugins: Collection[str] = ()
     return validated(Scenario, kept, f"stored scenario {kept.get('name')!r}")
 
 
+def on_levels(scenario: Scenario, levels: int) -> Scenario:
+    """Return a scenario whose maps have a number of levels; recorded ones do not say how many."""
+    if scenario.map.level_count == levels:
+        return scenario
+    return scenario.model_copy(update={"map": StoreysMaps(storeys=1, storey_height=levels)})
+
+
 def resimulate(record: Record, scenario: Scenario) -> Iterator[World]:
     """Yield a world with the recorded episode in place 0, at its start and after each of its S steps.
 
     Positions, beliefs, radio contacts and coverage are those of the recorded episode; messages of pilots are not
     stored. Every step yields the same world object: read it before asking for the next.
     """
-    world = World(scenario)
+    world = World(on_levels(scenario, record.floorplan.level_count))
     world.begin(0, record.task.seed, floorplan=record.floorplan)
     yield world
     for actions in record.actions:

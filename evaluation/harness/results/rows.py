@@ -74,9 +74,9 @@ def decompressed(blob: bytes, kind: type, *shape: int) -> NDArray[Any]:
 
 
 def floorplan_row(plan: Floorplan) -> Row:
-    """Return the row of a map."""
-    start = plan.start or (None, None)
-    return (plan.digest, plan.name, *plan.shape, plan.resolution, plan.kept, compressed(plan.truth), *start)
+    """Return the row of a map; its height is that of a level, its cells are those of the plane of all levels."""
+    start, size = plan.start or (None, None), (plan.levels.height, plan.levels.width)
+    return (plan.digest, plan.name, *size, plan.resolution, plan.kept, compressed(plan.truth), *start)
 
 
 def floorplan_of(row: Row) -> Floorplan:
@@ -88,7 +88,9 @@ def floorplan_of(row: Row) -> Floorplan:
     """
     digest, name, height, width, resolution, kept, cells, row_index, column = row
     start = None if row_index is None else (row_index, column)
-    plan = Floorplan(decompressed(cells, np.uint8, height, width), name, resolution, kept, start)
+    plane = decompressed(cells, np.uint8, -1, width)
+    levels = (len(plane) + 1) // max(1, height + 1)
+    plan = Floorplan(plane, name, resolution, kept, start, level_count=levels)
     if plan.digest != digest:
         raise ValueError("its cells are not those of its hash")
     return plan

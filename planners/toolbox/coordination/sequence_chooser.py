@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import Cell, Distances, Mask
 from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.policies.view import View
-from indoor_explorers.env.sensing.lidar import lidar_model
 from indoor_explorers.planners.toolbox.coordination.out_of_contact import OutOfContact
 from indoor_explorers.planners.toolbox.information.candidates import UnknownWeight, candidate_views, distances_between
 from indoor_explorers.planners.toolbox.navigation.candidate_pilot import CandidatePilot
@@ -149,9 +148,9 @@ class SequenceChooser:
         cells, ahead = cells[fine], ahead[fine]
         steps = fields.reshape(len(members), -1)[:, cells].astype(np.float64, order="C")
         gains, shared = candidate_views(
-            view.belief, cells, UnknownWeight(parameters.isolation, parameters.decay_length * reach), lidar_model(reach)
+            view.belief, cells, UnknownWeight(parameters.isolation, parameters.decay_length * reach), self._pilot.lidar
         )
-        between = distances_between(view.belief, cells, steps, int(HOP_RANGES * reach) + 1)
+        between = distances_between(view.belief, cells, steps, int(HOP_RANGES * reach) + 1, self._pilot.paths.rise)
         bonus = self._pilot.hysteresis_bonus
         hysteresis = np.stack([bonus(member.goal, cells, parameters.goal_bonus) for member in members])
         away = np.where(steps < UNREACHABLE, steps / reach, UNREACHABLE)

@@ -8,10 +8,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Belief, Distances
-from indoor_explorers.env.grid.cells import FREE, MOVES, UNKNOWN, UNREACHABLE
+from indoor_explorers.env.grid.cells import FREE, UNKNOWN, UNREACHABLE
 from indoor_explorers.env.grid.compiled import kernel, leaf
+from indoor_explorers.env.grid.levels import beside, degree
 from indoor_explorers.env.search.bfs import flood, flood_nearby
-from indoor_explorers.env.sensing.lidar import LidarModel, Scan, lidar_model, new_scan, unknown_in_view, visible_cells
+from indoor_explorers.env.sensing.lidar import (
+    LidarModel,
+    Scan,
+    model_of,
+    new_scan,
+    rise_of,
+    unknown_in_view,
+    visible_cells,
+)
 from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters, nearest_cells
 from indoor_explorers.planners.toolbox.information.view_gain import AROUND, known_around
 
@@ -29,7 +38,7 @@ class UnknownWeight(NamedTuple):
 
 
 @leaf()
-def depths(belief: np.ndarray, queue: np.ndarray, out: np.ndarray) -> None:
+def depths(belief: np.ndarray, queue: np.ndarray, out: np.ndarray, rise: int = 0) -> None:
     """Fill ``out`` (H, W) int32 with each unknown cell's steps from known free space through unknown cells.
 
     Other cells get ``UNREACHABLE``. ``queue`` is scratch, (H*W,) int32.
@@ -39,13 +48,13 @@ def depths(belief: np.ndarray, queue: np.ndarray, out: np.ndarray) -> None:
     tail = 0
     for row in range(height):
         for col in range(width):
-            for k in range(4 if belief[row, col] == FREE else 0):
-                r, c = row + MOVES[k, 0], col + MOVES[k, 1]
+            for k in range(degree(rise) if belief[row, col] == FREE else 0):
+                r, c = beside(row, col, k, rise)
                 if 0 <= r < height and 0 <= c < width and belief[r, c] == UNKNOWN and out[r, c] > 1:
                     out[r, c] = 1
                     queue[tail] = r * width + c
                     tail += 1
-    flood(belief, UNKNOWN, tail, queue, out)
+    flood(belief, UNKNOWN, tail, queue, out, rise)
 
 
 @leaf()
@@ -84,7 +93,7 @@ def candidate_views(
     A view gain is the sum of the weights of the unknown cells in view; unknown cells are transparent.
     """
     depth, mark = np.empty(belief.shape, np.int32), np.empty(belief.size, np.int32)
-    depths(belief, mark, depth)
+    depths(belief, mark, depth, rise_of(belief, lidar))
     lists, sizes, value = _visible_unknown(belief, cells, depth, weight, lidar, new_scan(lidar))
     count = cells.shape[0]
     shared = np.zeros((count, count))
@@ -106,7 +115,9 @@ def candidate_views(
 
 
 @kernel()
-def distances_between(belief: np.ndarray, cells: np.ndarray, steps: np.ndarray, limit: int) -> np.ndarray:
+def distances_between(
+    belief: np.ndarray, cells: np.ndarray, steps: np.ndarray, limit: int, rise: int = 0
+) -> np.ndarray:
     """Return the steps between (K,) flat cells, (K, K).
 
     Distances above ``limit`` are replaced by an upper bound: the path through a UAV's position, from the (N, K)
@@ -116,7 +127,7 @@ def distances_between(belief: np.ndarray, cells: np.ndarray, steps: np.ndarray, 
     queue, out = np.empty(belief.size, np.int32), np.full(belief.size, UNREACHABLE, np.int32)
     between = np.empty((count, count))
     for k in range(count):
-        reached = flood_nearby(belief, cells[k], -1, limit, queue, out)
+        reached = flood_nearby(belief, cells[k], -1, limit, queue, out, rise)
         for j in range(count):
             between[k, j] = out[cells[j]]
             if between[k, j] >= UNREACHABLE:
@@ -135,27 +146,28 @@ def _gains(belief: np.ndarray, cells: np.ndarray, lidar: LidarModel) -> np.ndarr
     return gains
 
 
-def frontier_candidates(belief: Belief, fields: Distances, lidar_range: float, most: int) -> Cells:
+def frontier_candidates(belief: Belief, fields: Distances, lidar_range: float, most: int, rise: int = 0) -> Cells:
     """Return, for each of the ``most`` frontier clusters nearest to the group, its flat cell nearest to the group.
 
     ``fields`` is (N, H, W), each UAV's steps.
     """
-    cells, steps = nearest_cells(fields.min(axis=0), frontier_clusters(belief, lidar_range))
+    cells, steps = nearest_cells(fields.min(axis=0), frontier_clusters(belief, lidar_range, rise))
     order = np.argsort(steps, kind="stable")[:most]
     return cells[order[steps[order] < UNREACHABLE]]
 
 
 def local_candidates(
-    belief: Belief, fields: Distances, lidar_range: float, reach: int, rate: float, most: int
+    belief: Belief, fields: Distances, lidar_range: LidarModel | float, reach: int, rate: float, most: int
 ) -> Cells:
     """Return flat known cells at most ``reach`` steps from a UAV that have unknown cells in view, (K,).
 
     For each UAV the ``most`` cells with the largest sqrt(view gain) e^(-rate steps): a UAV need not fly to a frontier
-    that it can view from nearby. ``fields`` (N, H, W) are the steps from N UAVs.
+    that it can view from nearby. ``fields`` (N, H, W) are the steps from N UAVs; the
+    lidar is given as such or by its range.
     """
     flat = fields.reshape(len(fields), -1)
     cells = np.flatnonzero(((flat > 0) & (flat <= reach)).any(axis=0)).astype(np.int32)
-    gains, steps = _gains(belief, cells, lidar_model(float(lidar_range))), flat[:, cells]
+    gains, steps = _gains(belief, cells, model_of(lidar_range)), flat[:, cells]
     value = np.where(steps <= reach, np.sqrt(gains) * np.exp(-rate * np.minimum(steps, reach)), 0.0)
     kept = np.zeros(len(cells), np.bool_)
     for row in value:

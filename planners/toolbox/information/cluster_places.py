@@ -20,7 +20,6 @@ from indoor_explorers.planners.toolbox.frontiers.clusters import (
     Clusters,
     cluster_viewpoints,
     first_of_each,
-    frontier_clusters,
     nearest_cells,
 )
 from indoor_explorers.planners.toolbox.information.view_gain import WeightedGains
@@ -93,14 +92,14 @@ class ClusterPlaces:
         self, pilot: GoalPilot, parameters: PlaceParameters, *, stride: float = STRIDE, same: float = SAME
     ) -> None:
         lidar = pilot.briefing.lidar_range
-        self._pilot, self._lidar = pilot, lidar
-        self._gains = WeightedGains(pilot.briefing.shape, lidar, parameters.decay_length, parameters.isolation)
+        self._pilot = pilot
+        self._gains = WeightedGains(pilot.briefing.shape, pilot.lidar, parameters.decay_length, parameters.isolation)
         self._stride, self._same = stride * lidar, max(1.0, same * lidar)
         self._switch_cost = parameters.switch_cost
 
     def found(self, view: View) -> PlaceCells:
         """Return the L possible viewpoints of the K clusters of a view's (H, W) belief."""
-        clusters = frontier_clusters(view.belief, self._lidar)
+        clusters = self._pilot.clusters(view)
         field = self._pilot.steps_from(view, view.cell)
         nearest, away = nearest_cells(field, clusters)
         cells, owner = cluster_viewpoints(clusters, nearest, self._stride)

@@ -11,7 +11,7 @@ from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.grid.cells import UNKNOWN
 from indoor_explorers.env.grid.compiled import kernel, leaf
 from indoor_explorers.env.policies.renamed import renamed
-from indoor_explorers.env.sensing.lidar import LidarModel, Scan, lidar_model, new_scan, visible_cells
+from indoor_explorers.env.sensing.lidar import LidarModel, Scan, model_of, new_scan, rise_of, visible_cells
 
 
 @kernel()
@@ -33,13 +33,15 @@ def _unclaimed(
 
 
 def unclaimed_gains(
-    belief: Belief, cells: NDArray[np.int32], claims: NDArray[np.float64], lidar_range: float
+    belief: Belief, cells: NDArray[np.int32], claims: NDArray[np.float64], lidar_range: LidarModel | float
 ) -> NDArray[np.int64]:
     """Return the number of unknown cells that are visible from each of (K,) flat cells and not claimed, (K,).
 
-    ``claims`` is (M, 2) rows and columns of other UAVs' goals; cells within the lidar range of one are claimed.
+    ``claims`` is (M, 2) rows and columns of other UAVs' goals; cells within the lidar range of one, on its level, are
+    claimed. The lidar is given as such or by its range.
     """
-    return np.asarray(_unclaimed(belief, cells, claims, lidar_range, lidar_model(float(lidar_range))))
+    lidar = model_of(lidar_range)
+    return np.asarray(_unclaimed(belief, cells, claims, lidar.range, lidar))
 
 
 @kernel()
@@ -66,12 +68,12 @@ def _visible_sets(belief: np.ndarray, cells: np.ndarray, lidar: LidarModel) -> n
     return bits
 
 
-def visible_sets(belief: Belief, cells: NDArray[np.int32], lidar_range: float) -> NDArray[np.uint64]:
+def visible_sets(belief: Belief, cells: NDArray[np.int32], lidar_range: LidarModel | float) -> NDArray[np.uint64]:
     """Return the sets of unknown cells visible from each of (K,) flat cells as bit sets, (K, words) uint64.
 
     Unknown cells are numbered in the order in which they are found; the bitwise or of sets is a joint view.
     """
-    return np.asarray(_visible_sets(belief, cells, lidar_model(float(lidar_range))))
+    return np.asarray(_visible_sets(belief, cells, model_of(lidar_range)))
 
 
 #: Half width of the square around an unknown cell in which known cells make it isolated.
@@ -99,14 +101,15 @@ def known_around(belief: np.ndarray, row: int, col: int) -> int:
 def _weighted(
     belief: np.ndarray, cell: int, depths: np.ndarray, isolation: float, lidar: LidarModel, scan: Scan
 ) -> float:
-    width = belief.shape[1]
-    middle = depths.shape[0] // 2
+    width, rise = belief.shape[1], rise_of(belief, lidar)
+    middle, levels = depths.shape[1] // 2, depths.shape[0] // 2
     row, col = divmod(cell, width)
     gain = 0.0
     for place in range(visible_cells(belief, row, col, lidar, scan)):
         r, c = divmod(scan.cells[place], width)
         if belief[r, c] == UNKNOWN:
-            gain += depths[r - row + middle, c - col + middle] * (
+            level = r // rise - row // rise if rise > 0 else 0
+            gain += depths[levels + level, r - row - level * rise + middle, c - col + middle] * (
                 1.0 + isolation * (known_around(belief, r, c) / AROUND)
             )
     return gain
@@ -125,16 +128,20 @@ def _bring_up_to_date(old: np.ndarray, new: np.ndarray) -> tuple[int, int, int, 
 
 
 @kernel()
-def _forget_changed(old: np.ndarray, new: np.ndarray, reach: int, gains: np.ndarray) -> None:
-    """Copy ``new`` to ``old``, and mark the gains within ``reach`` of the box around each tile's changes as stale."""
+def _forget_changed(old: np.ndarray, new: np.ndarray, reach: int, gains: np.ndarray, levels: int, rise: int) -> None:
+    """Copy ``new`` to ``old``, and mark the gains within ``reach`` of the box around each tile's changes as stale.
+
+    ``levels`` is how many levels up and down these reach.
+    """
     for row in range(0, new.shape[0], TILE):
         for col in range(0, new.shape[1], TILE):
             tile = slice(row, row + TILE), slice(col, col + TILE)
             top, bottom, left, right = _bring_up_to_date(old[tile], new[tile])
             if top < bottom:
-                rows = max(0, row + top - reach), row + bottom + reach
                 cols = max(0, col + left - reach), col + right + reach
-                gains[rows[0] : rows[1], cols[0] : cols[1]] = STALE
+                for level in range(-levels, levels + 1):
+                    rows = row + top - reach + level * rise, row + bottom + reach + level * rise
+                    gains[max(0, rows[0]) : max(0, rows[1]), cols[0] : cols[1]] = STALE
 
 
 @kernel()
@@ -162,24 +169,27 @@ class WeightedGains:
 
     Args:
         shape: (H, W) of the map.
-        lidar_range: Lidar range in cells.
+        lidar_range: Lidar, or its range in cells.
         decay_length: Distance over which the weight falls to 1 / e, in lidar ranges; infinite for equal weights.
         isolation: Additional weight of a surrounded cell.
 
     """
 
     def __init__(
-        self, shape: tuple[int, int], lidar_range: float, decay_length: float = inf, isolation: float = 0.0
+        self, shape: tuple[int, int], lidar_range: LidarModel | float, decay_length: float = inf, isolation: float = 0.0
     ) -> None:
-        away = np.arange(-int(lidar_range + 1), int(lidar_range + 1) + 1)
-        self._depths = np.exp(-np.hypot(away[:, None], away) / (decay_length * lidar_range))
+        self._lens = lidar = model_of(lidar_range)
+        reach = int(lidar.range + 1)
+        away, self._levels = np.arange(-reach, reach + 1), min(reach, max(0, lidar.volume.levels - 1))
+        levels = np.arange(-self._levels, self._levels + 1)[:, None, None]
+        self._depths = np.exp(-np.hypot(np.hypot(away[:, None], away), levels) / (decay_length * lidar.range))
         self._isolation = float(isolation)
-        self._lens = lidar_model(float(lidar_range))
-        self._reach = int(lidar_range + 1) + NEIGHBOURHOOD
+        self._reach = reach + NEIGHBOURHOOD
+        self._rise = (shape[0] + 1) // lidar.volume.levels if lidar.volume.levels else 0
         self._belief = np.zeros(shape, np.uint8)
         self._gains = np.full(shape, STALE)
 
     def at(self, belief: Belief, cells: NDArray[np.int32]) -> NDArray[np.float64]:
         """Return the gains of (K,) flat cells, (K,)."""
-        _forget_changed(self._belief, belief, self._reach, self._gains)
+        _forget_changed(self._belief, belief, self._reach, self._gains, self._levels, self._rise)
         return np.asarray(_kept_gains(belief, cells, self._depths, self._isolation, self._lens, self._gains))

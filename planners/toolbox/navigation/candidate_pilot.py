@@ -30,7 +30,7 @@ class CandidatePilot(GoalPilot):
             return False
         if view.cell == goal:
             self.visited.add(goal)
-        return goal in self.visited or view_gain(view.belief, goal, float(self.briefing.lidar_range)) == 0
+        return goal in self.visited or view_gain(view.belief, goal, self.lidar) == 0
 
     def hysteresis_bonus(self, goal: Cell | None, cells: NDArray[np.int32], bonus: float) -> NDArray[np.float64]:
         """Return the factors on the utilities of (K,) flat cells: ``1 + bonus`` near the UAV's goal, else 1, (K,)."""
