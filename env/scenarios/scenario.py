@@ -119,6 +119,11 @@ class Scenario(SettingsGroup):
             yield f"base.at start or none, got {list(self.base.at)}"
 
     @property
+    def lidar_arguments(self) -> tuple[float, str, int, float]:
+        """Range, model, levels and elevation, as :func:`~indoor_explorers.env.sensing.lidar.lidar_model` takes them."""
+        return self.lidar.range, self.lidar.model, self.map.level_count, self.lidar.elevation
+
+    @property
     def uncertain(self) -> bool:
         """Whether maps are of log-odds: sensors or poses err, or the field of view is limited."""
         return self.noise.any or self.drift.rate > 0.0 or self.turns

@@ -13,11 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Belief, Cell, read_only
-from indoor_explorers.env.grid.cells import FREE, MOVES, UNREACHABLE
+from indoor_explorers.env.grid.cells import FREE, UNREACHABLE
 from indoor_explorers.env.grid.compiled import kernel, leaf
+from indoor_explorers.env.grid.levels import beside, degree
 from indoor_explorers.env.search.bfs import flood
 from indoor_explorers.env.search.bitsets import bit_count
-from indoor_explorers.env.sensing.lidar import LidarModel, Scan, new_scan, visible_cells
+from indoor_explorers.env.sensing.lidar import LidarModel, Scan, new_scan, rise_of, visible_cells
 
 #: Cells along one side of a tile.
 TILE = 8
@@ -29,7 +30,7 @@ class VisibilityTable(NamedTuple):
     cells: NDArray[np.int32]
     """(M,) their flat indices in the map."""
     neighbours: NDArray[np.int32]
-    """(M, 4) numbers of the neighbours, -1 for none."""
+    """(M, 4) numbers of the neighbours, -1 for none; (M, 6) where there are levels."""
     offsets: NDArray[np.int64]
     """(M + 1,) where the words of each cell begin and, last, where the last ones end."""
     tile: NDArray[np.int32]
@@ -41,7 +42,9 @@ class VisibilityTable(NamedTuple):
 
 
 @leaf(entry=False)
-def _number(truth: np.ndarray, starts: np.ndarray, steps: np.ndarray, cells: np.ndarray, number: np.ndarray) -> int:
+def _number(
+    truth: np.ndarray, starts: np.ndarray, steps: np.ndarray, cells: np.ndarray, number: np.ndarray, rise: int
+) -> int:
     """Number the cells that can be reached in ``number`` (H*W,), -1 at first; return how many they are.
 
     ``cells`` (H*W,) lists them. ``steps`` (H, W) is scratch, ``UNREACHABLE`` at first.
@@ -52,19 +55,19 @@ def _number(truth: np.ndarray, starts: np.ndarray, steps: np.ndarray, cells: np.
         if steps[row, col] > 0:
             steps[row, col], cells[sources] = 0, starts[k]
             sources += 1
-    count = flood(truth, FREE, sources, cells, steps)
+    count = flood(truth, FREE, sources, cells, steps, rise)
     for k in range(count):
         number[cells[k]] = k
     return count
 
 
 @leaf(entry=False)
-def _link(shape: tuple[int, int], number: np.ndarray, cells: np.ndarray, neighbours: np.ndarray) -> None:
+def _link(shape: tuple[int, int], number: np.ndarray, cells: np.ndarray, neighbours: np.ndarray, rise: int) -> None:
     height, width = shape
     for i in range(cells.shape[0]):
         row, col = divmod(cells[i], width)
-        for k in range(4):
-            r, c = row + MOVES[k, 0], col + MOVES[k, 1]
+        for k in range(degree(rise)):
+            r, c = beside(row, col, k, rise)
             inside = 0 <= r < height and 0 <= c < width
             neighbours[i, k] = number[r * width + c] if inside else -1
 
@@ -116,9 +119,10 @@ def _fill_table(
     """Return the table of :func:`visibility_table`; ``steps`` (H, W) and ``number`` (H*W,) as in :func:`_number`."""
     height, width = truth.shape
     cells = np.empty(truth.size, np.int32)
-    cells = cells[: _number(truth, starts, steps, cells, number)].copy()
-    neighbours = np.empty((cells.shape[0], 4), np.int32)
-    _link((height, width), number, cells, neighbours)
+    rise = rise_of(truth, lidar)
+    cells = cells[: _number(truth, starts, steps, cells, number, rise)].copy()
+    neighbours = np.empty((cells.shape[0], degree(rise)), np.int32)
+    _link((height, width), number, cells, neighbours, rise)
     total = ((height + TILE - 1) // TILE) * ((width + TILE - 1) // TILE)
     counts, scan = number >= (-1 if count_all_cells else 0), new_scan(lidar)
     tiles, words, union = np.empty(total, np.int32), np.zeros(total, np.uint64), np.zeros(total, np.uint64)

@@ -45,10 +45,10 @@ def _single_cells(table: VisibilityTable) -> tuple[np.ndarray, np.ndarray, np.nd
     """Return the cells, first steps and targets of the graph whose states are cells."""
     count, size = table.cells.shape[0], 0
     cells = np.empty((count, 1), np.int32)
-    first, target = np.zeros(count + 1, np.int64), np.empty(4 * count, np.int32)
+    first, target = np.zeros(count + 1, np.int64), np.empty(table.neighbours.size, np.int32)
     for cell in range(count):
         cells[cell, 0] = cell
-        for k in range(4):
+        for k in range(table.neighbours.shape[1]):
             if table.neighbours[cell, k] >= 0:
                 target[size] = table.neighbours[cell, k]
                 size += 1

@@ -177,8 +177,7 @@ class World:
         """Bind the arrays to an engine of compiled code for each thread."""
         if self.slam is not None:
             self._models = UncertainModel(self.scenario, self.slam)
-        rules, sensor = rules_of(self.scenario), self.scenario.lidar
-        lidar = lidar_model(sensor.range, sensor.model, rules.levels, sensor.elevation)
+        rules, lidar = rules_of(self.scenario), lidar_model(*self.scenario.lidar_arguments)
         self._engines = [
             bind(rules, state, lidar, new_work(lidar, self.scenario.team)) for _ in range(self._threads.count)
         ]

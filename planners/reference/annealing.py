@@ -76,7 +76,7 @@ def _shift(table: VisibilityTable, distances: DistanceTable, routes: Routes, rng
     n, p = _pick(routes, rng_state)
     cell = distances.points[routes.stops[n, p]]
     for _ in range(1 + draw_below(rng_state, 4)):
-        other = table.neighbours[cell, draw_below(rng_state, 4)]
+        other = table.neighbours[cell, draw_below(rng_state, table.neighbours.shape[1])]
         cell = other if other >= 0 else cell
     point = distances.nearest[cell]
     if point == routes.stops[n, p]:

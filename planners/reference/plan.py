@@ -49,8 +49,9 @@ class PlanRequest(NamedTuple):
     """(H, W)."""
     starts: tuple[Cell, ...]
     """Start cells of the UAVs."""
-    lidar: tuple[float, str]
-    """Range in cells and model."""
+    lidar: tuple[float, str, int, float]
+    """Range in cells, model, levels of the map and elevation: the arguments of
+    :func:`~indoor_explorers.env.sensing.lidar.lidar_model`."""
     count_all_cells: bool
     """Whether coverage counts all cells of the map."""
     aim: float
@@ -124,7 +125,7 @@ def _nearest(table: VisibilityTable, points: np.ndarray) -> np.ndarray:
     while head < tail:
         cell = queue[head]
         head += 1
-        for k in range(4):
+        for k in range(table.neighbours.shape[1]):
             other = table.neighbours[cell, k]
             if other >= 0 and nearest[other] < 0:
                 nearest[other] = nearest[cell]

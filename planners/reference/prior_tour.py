@@ -194,7 +194,7 @@ class PriorTourPilot(RoutePilot):
             truth=self.cells.tobytes(),
             shape=briefing.shape,
             starts=starts,
-            lidar=(float(briefing.lidar_range), scenario.lidar.model),
+            lidar=scenario.lidar_arguments,
             count_all_cells=True,
             aim=self._policy.aim,
             goal=1.0,

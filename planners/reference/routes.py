@@ -106,7 +106,7 @@ def fly_on(table: VisibilityTable, distances: DistanceTable, routes: Routes, sta
             state.stop[n] += 1
         if state.stop[n] == routes.sizes[n]:
             continue
-        for k in range(4):
+        for k in range(table.neighbours.shape[1]):
             other = table.neighbours[cell, k]
             if other >= 0 and steps[other] < steps[cell]:
                 state.cell[n] = other

@@ -76,7 +76,7 @@ class ReferencePilot(RoutePilot):
     def request(self) -> PlanRequest:
         """The request for the plan of the team's routes."""
         briefing, scenario = self.briefing, self.briefing.scenario
-        lidar, all_cells = (float(briefing.lidar_range), scenario.lidar.model), scenario.denominator == "map"
+        lidar, all_cells = scenario.lidar_arguments, scenario.denominator == "map"
         truth = self.cells.tobytes()
         return PlanRequest(truth, briefing.shape, self._starts, lidar, all_cells, self._aim, scenario.goal)
 

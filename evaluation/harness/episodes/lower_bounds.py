@@ -48,8 +48,8 @@ def least_steps(world: World, episode: int, share: float) -> int:
 
 def _task(world: World, episode: int, share: float) -> bytes:
     """Return a hash of all that the bounds depend on."""
-    state, sensor = world.state, world.scenario.lidar
-    facts = (state.truth[episode].shape, sensor.range, sensor.model, world.scenario.denominator, share, EFFORT)
+    state = world.state
+    facts = (state.truth[episode].shape, *world.scenario.lidar_arguments, world.scenario.denominator, share, EFFORT)
     arrays = (state.truth[episode], state.counts[episode], state.cell[episode])
     return hashlib.sha256(b"".join([repr(facts).encode(), *(array.tobytes() for array in arrays)])).digest()
 
@@ -68,14 +68,17 @@ def lower_bounds(world: World, episode: int, share: float) -> dict[str, int]:
     For the first two, the most that can be seen in t steps is found by taking, in each step, the N largest gains among
     the cells that can be reached by then and are not taken yet, N UAVs entering no more. No choice does better: if
     one leaves out the largest gain available in some step, taking it there instead loses nothing, now or later.
-    On very large maps walls are left out, and only the first bound is used.
+    On very large maps walls are left out, and only the first bound is used. The first bound is not used on maps of
+    several levels, and none on very large ones of these.
     """
     state, sensor = world.state, world.scenario.lidar
     truth, counts, team = state.truth[episode], state.counts[episode], world.scenario.team
     starts = [(row, col) for row, col in state.cell[episode].tolist()]
     total = int(counts.sum())
-    lidar = lidar_model(sensor.range, sensor.model)
+    lidar, flat = lidar_model(*world.scenario.lidar_arguments), world.scenario.map.level_count == 1
     looks = total * lidar.disc <= EFFORT
+    if not (looks or flat):
+        return {"distance": 0}
     lidar = lidar if looks else lidar_model(0.0)
     table = visibility_table(truth, starts, lidar, count_all_cells=world.scenario.denominator == "map")
     needed = math.ceil(share * total - 1e-9)
@@ -83,12 +86,12 @@ def lower_bounds(world: World, episode: int, share: float) -> dict[str, int]:
     overshoot = 0.5 if sensor.model == "marsexplorer" else 0.0  # cells that this model sees beyond the range
     half_widths = lidar_model(sensor.range + overshoot).half_widths
     within, edges = _range_gains(counts, table.cells, team, half_widths)
-    by_range = _steps_by_gain(edges, edges.max(), steps, needed - within, team)
+    by_range = {"range": _steps_by_gain(edges, edges.max(), steps, needed - within, team)} if flat else {}
     if not looks:
-        return {"range": by_range}
+        return by_range
     seen, news = _sight_gains(table, team)
     return {
-        "range": by_range,
+        **by_range,
         "sight": _steps_by_gain(news, news.max(), steps, needed - seen, team),
         "distance": _steps_by_distance(table, steps, needed),
         "spanning tree": spanning_tree_bound(table, truth.shape[1], team, total - needed),
@@ -102,7 +105,7 @@ def _steps_from_starts(table: VisibilityTable, team: int) -> np.ndarray:
     steps = np.full(table.cells.shape[0], -1, np.int64)
     steps[:team] = 0
     for cell in range(table.cells.shape[0]):
-        for k in range(4):
+        for k in range(table.neighbours.shape[1]):
             other = table.neighbours[cell, k]
             if other >= 0 and steps[other] < 0:
                 steps[other] = steps[cell] + 1
@@ -119,7 +122,7 @@ def _sight_gains(table: VisibilityTable, team: int) -> tuple[int, np.ndarray]:
     for cell in range(table.cells.shape[0]):
         for place in range(table.offsets[cell], table.offsets[cell + 1]):
             shown[table.tile[place]] |= table.bits[place]
-        for k in range(4):
+        for k in range(table.neighbours.shape[1]):
             other = table.neighbours[cell, k]
             if other >= 0:
                 new = np.int64(0)

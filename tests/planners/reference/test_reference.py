@@ -23,7 +23,7 @@ def task_of(
     free: np.ndarray, starts: tuple[Cell, ...], lidar: float = 3.0, goal: float = 1.0, aim: float = 0.99
 ) -> PlanRequest:
     truth = np.where(free, 1, 2).astype(np.uint8)
-    return PlanRequest(truth.tobytes(), truth.shape, starts, (lidar, "exact"), False, aim, goal)
+    return PlanRequest(truth.tobytes(), truth.shape, starts, (lidar, "exact", 1, 90.0), False, aim, goal)
 
 
 def seen_by(request: PlanRequest, tracks: tuple[tuple[Cell, ...], ...]) -> float:
