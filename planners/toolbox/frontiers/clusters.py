@@ -1,7 +1,8 @@
 """Frontier clusters: groups of frontier cells so small that one visit explores all cells of a group.
 
 A cluster is a group of 8-connected frontier cells; it is split at its mean, across its principal axis, while a cell
-of it is farther than half the lidar range from the mean.
+of it is farther than half the lidar range from the mean. Where there are levels, cells are 26-connected, and a cluster
+that spreads most from level to level is split between levels.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Belief, Distances
 from indoor_explorers.env.grid.cells import UNREACHABLE
-from indoor_explorers.env.grid.compiled import kernel
+from indoor_explorers.env.grid.compiled import inner, kernel
 from indoor_explorers.env.search.frontiers import frontier_mask
 
 #: A cluster is split while a cell is farther than this share of the lidar range from its mean.
@@ -35,53 +36,85 @@ class Clusters(NamedTuple):
 
 
 @kernel(entry=False)
-def _label(mask: np.ndarray, seed: int, label: int, labels: np.ndarray, queue: np.ndarray) -> int:
+def _label(mask: np.ndarray, seed: int, label: int, labels: np.ndarray, queue: np.ndarray, rise: int) -> int:
     """Label the 8-connected part of ``mask`` around flat cell ``seed``; return how many cells it has.
 
-    Unlike the searches of :mod:`indoor_explorers.env.search`, this one goes to all eight neighbours.
+    Unlike the searches of :mod:`indoor_explorers.env.search`, this one goes to all eight neighbours, and to 26 where
+    there are levels.
     """
-    height, width = mask.shape
+    (height, width), away = mask.shape, 1 if rise > 0 else 0
     head, tail = 0, 1
     queue[0] = seed
     labels[seed // width, seed % width] = label
     while head < tail:
         row, col = divmod(queue[head], width)
         head += 1
-        for r in range(max(0, row - 1), min(height, row + 2)):
-            for c in range(max(0, col - 1), min(width, col + 2)):
-                if mask[r, c] and labels[r, c] == 0:
-                    labels[r, c] = label
-                    queue[tail] = r * width + c
-                    tail += 1
+        for middle in range(row - away * rise, row + away * rise + 1, max(1, rise)):
+            for r in range(max(0, middle - 1), min(height, middle + 2)):
+                for c in range(max(0, col - 1), min(width, col + 2)):
+                    if mask[r, c] and labels[r, c] == 0:
+                        labels[r, c] = label
+                        queue[tail] = r * width + c
+                        tail += 1
     return tail
 
 
+class Moments(NamedTuple):
+    """Where the cells of a part are, and how they spread."""
+
+    level: float
+    """Mean level, 0 where there is one."""
+    row: float
+    """Mean row."""
+    col: float
+    """Mean column."""
+    largest: float
+    """Largest squared distance of a cell to the mean."""
+    angle: float
+    """Angle of the principal axis among rows and columns."""
+    upright: bool
+    """Whether the part spreads farther from level to level than along that axis."""
+
+
+@inner()
+def _place(cell: int, width: int, rise: int) -> tuple[int, int, int]:
+    """Return the level, row and column of a flat cell; level 0 where there is one."""
+    row, col = divmod(cell, width)
+    return (row // rise, row % rise, col) if rise > 0 else (0, row, col)
+
+
 @kernel(entry=False)
-def _moments(cells: np.ndarray, width: int) -> tuple[float, float, float, float]:
-    """Return (mean row, mean column, largest squared distance to the mean, angle of the principal axis)."""
+def _moments(cells: np.ndarray, width: int, rise: int) -> Moments:
+    """Return the moments of flat cells (K,)."""
     count = cells.shape[0]
-    row_sum, col_sum = 0, 0
+    level_sum, row_sum, col_sum = 0, 0, 0
     for k in range(count):
-        row_sum += cells[k] // width
-        col_sum += cells[k] % width
-    row_mean, col_mean = row_sum / count, col_sum / count
-    rr = rc = cc = largest = 0.0
+        level, row, col = _place(cells[k], width, rise)
+        level_sum += level
+        row_sum += row
+        col_sum += col
+    level_mean, row_mean, col_mean = level_sum / count, row_sum / count, col_sum / count
+    ll = rr = rc = cc = largest = 0.0
     for k in range(count):
-        row, col = cells[k] // width - row_mean, cells[k] % width - col_mean
-        rr += row * row
-        rc += row * col
-        cc += col * col
-        largest = max(largest, row * row + col * col)
-    return row_mean, col_mean, largest, 0.5 * np.arctan2(2.0 * rc, rr - cc)
+        level, row, col = _place(cells[k], width, rise)
+        up, down, right = level - level_mean, row - row_mean, col - col_mean
+        ll += up * up
+        rr += down * down
+        rc += down * right
+        cc += right * right
+        largest = max(largest, down * down + right * right + up * up)
+    upright = ll > 0.5 * (rr + cc) + np.hypot(0.5 * (rr - cc), rc)
+    return Moments(level_mean, row_mean, col_mean, largest, 0.5 * np.arctan2(2.0 * rc, rr - cc), upright)
 
 
 @kernel(entry=False)
-def _halved(cells: np.ndarray, width: int, row_mean: float, col_mean: float, angle: float) -> int:
+def _halved(cells: np.ndarray, width: int, rise: int, moments: Moments) -> int:
     """Move the cells on the lower side of the principal axis to the front, in order; return their number."""
     upper, lower = np.empty(cells.shape[0], cells.dtype), 0
     for k in range(cells.shape[0]):
-        row, col = cells[k] // width - row_mean, cells[k] % width - col_mean
-        if row * np.cos(angle) + col * np.sin(angle) <= 0.0:
+        level, row, col = _place(cells[k], width, rise)
+        along = (row - moments.row) * np.cos(moments.angle) + (col - moments.col) * np.sin(moments.angle)
+        if (level - moments.level if moments.upright else along) <= 0.0:
             cells[lower] = cells[k]
             lower += 1
         else:
@@ -92,14 +125,16 @@ def _halved(cells: np.ndarray, width: int, row_mean: float, col_mean: float, ang
 
 
 @kernel(entry=False)
-def _split(cells: np.ndarray, width: int, radius: float, begin: int, end: int, ends: np.ndarray, count: int) -> int:
+def _split(
+    cells: np.ndarray, width: int, rise: int, radius: float, begin: int, end: int, ends: np.ndarray, count: int
+) -> int:
     """Split ``cells[begin:end]`` until all parts are small; write their ends; return the new number of clusters."""
     pending = [end]
     while len(pending) > 0:
         part = cells[begin : pending[-1]]
-        row_mean, col_mean, largest, angle = _moments(part, width)
-        if largest > radius * radius + 1e-9:
-            pending.append(begin + _halved(part, width, row_mean, col_mean, angle))
+        moments = _moments(part, width, rise)
+        if moments.largest > radius * radius + 1e-9:
+            pending.append(begin + _halved(part, width, rise, moments))
         else:
             begin = pending.pop()
             ends[count] = begin
@@ -108,7 +143,7 @@ def _split(cells: np.ndarray, width: int, radius: float, begin: int, end: int, e
 
 
 @kernel()
-def _clustered(mask: np.ndarray, radius: float, cells: np.ndarray, ends: np.ndarray) -> int:
+def _clustered(mask: np.ndarray, radius: float, cells: np.ndarray, ends: np.ndarray, rise: int) -> int:
     """Fill ``cells`` (F,) and ``ends`` (F + 1,) of :class:`Clusters`; return how many numbers of ``ends`` count."""
     height, width = mask.shape
     labels, groups = np.zeros((height, width), np.int32), 0
@@ -117,7 +152,7 @@ def _clustered(mask: np.ndarray, radius: float, cells: np.ndarray, ends: np.ndar
         for col in range(width):
             if mask[row, col] and labels[row, col] == 0:
                 groups += 1
-                size = _label(mask, row * width + col, groups, labels, cells)
+                size = _label(mask, row * width + col, groups, labels, cells, rise)
                 if groups < cells.shape[0]:
                     places[groups + 1] = places[groups] + size
     for row in range(height):
@@ -128,20 +163,17 @@ def _clustered(mask: np.ndarray, radius: float, cells: np.ndarray, ends: np.ndar
                 places[group] += 1
     begin, count = 0, 1
     for group in range(1, groups + 1):
-        count = _split(cells, width, radius, begin, places[group], ends, count)
+        count = _split(cells, width, rise, radius, begin, places[group], ends, count)
         begin = places[group]
     return int(count)
 
 
 def frontier_clusters(belief: Belief, lidar_range: float, rise: int = 0) -> Clusters:
-    """Return the clusters of all frontier cells of a (H, W) belief, in row-major order of their groups.
-
-    Where there are levels, each cluster is on one of them.
-    """
+    """Return the clusters of all frontier cells of a (H, W) belief, in row-major order of their groups."""
     mask = frontier_mask(belief, rise)
     total = np.count_nonzero(mask)
     cells, ends = np.empty(total, np.int32), np.zeros(total + 1, np.int64)
-    return Clusters(cells, ends[: _clustered(mask, SPREAD * lidar_range, cells, ends)])
+    return Clusters(cells, ends[: _clustered(mask, SPREAD * lidar_range, cells, ends, rise)])
 
 
 @kernel()
@@ -170,22 +202,23 @@ def nearest_cells(field: Distances, clusters: Clusters) -> tuple[NDArray[np.int3
 
 
 @kernel()
-def _middles(cells: np.ndarray, ends: np.ndarray, width: int) -> np.ndarray:
+def _middles(cells: np.ndarray, ends: np.ndarray, width: int, rise: int) -> np.ndarray:
     middles = np.empty(ends.shape[0] - 1, np.int32)
     for k in range(middles.shape[0]):
         part = cells[ends[k] : ends[k + 1]]
-        row_mean, col_mean = _moments(part, width)[:2]
-        least = np.inf
+        moments, least = _moments(part, width, rise), np.inf
         for cell in part:
-            row, col = cell // width - row_mean, cell % width - col_mean
-            if row * row + col * col < least:
-                middles[k], least = cell, row * row + col * col
+            level, row, col = _place(cell, width, rise)
+            up, down, right = level - moments.level, row - moments.row, col - moments.col
+            away = down * down + right * right + up * up
+            if away < least:
+                middles[k], least = cell, away
     return middles
 
 
-def middles(clusters: Clusters, width: int) -> NDArray[np.int32]:
+def middles(clusters: Clusters, width: int, rise: int = 0) -> NDArray[np.int32]:
     """Return each cluster's flat cell nearest to the mean of its cells, (K,); the first among equals."""
-    return np.asarray(_middles(clusters.cells, clusters.ends, width))
+    return np.asarray(_middles(clusters.cells, clusters.ends, width, rise))
 
 
 @kernel()
