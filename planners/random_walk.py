@@ -31,5 +31,6 @@ class RandomWalkPilot(Pilot):
 
     def act(self, view: View) -> int:
         """Draw one of the legal moves."""
-        moves = np.flatnonzero(view.legal[: Action.STAY])
+        moves = np.flatnonzero(view.legal)
+        moves = moves[moves != Action.STAY]
         return int(moves[self._rng.integers(len(moves))]) if len(moves) else Action.STAY

@@ -28,7 +28,7 @@ from indoor_explorers.env.conformance.traces import (
     facts_of,
 )
 from indoor_explorers.env.grid.arrays import Belief, read_only
-from indoor_explorers.env.grid.cells import OCCUPIED, UNKNOWN, Action
+from indoor_explorers.env.grid.cells import OCCUPIED, UNKNOWN
 from indoor_explorers.env.maps.sources import MapSource
 from indoor_explorers.env.policies.policy import Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
@@ -222,7 +222,8 @@ class CheckedFlight:
             before = self._misled.before.steps[len(trace.steps) - 1].get(n)
             action, message = before.choice if before is not None else (action, message)
         trace.seconds.append(share)
-        trace.into_walls += action < Action.STAY and not world.state.legal[b, n, action]
+        legal = world.state.legal[b, n]
+        trace.into_walls += action < len(legal) and not legal[action]
         trace.steps[-1][n] = Decision(digest, action, message)
         world.post(b, n, message)
         return action

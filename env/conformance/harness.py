@@ -81,14 +81,23 @@ class Harness:
             Violation: an answer breaks the contract, and none of the same kind did so in :attr:`alone`.
 
         """
-        known = {kind for trace in self.alone for kind in trace.violations}
-        task = self.sized(scenario)
+        known, task = self.known_violations, self.sized(scenario)
         traces = CheckedFlight(policy or self.policy, task, setups, ask=ask, changed=changed, told=told).fly(steps)
-        for trace in traces:
-            for kind in trace.violations.keys() - known:
-                raise trace.violations[kind]
+        refuse_others(traces, known)
         return traces
+
+    @property
+    def known_violations(self) -> set[str]:
+        """The kinds of violations in :attr:`alone`."""
+        return {kind for trace in self.alone for kind in trace.violations}
 
     def violation(self, kind: str) -> Violation | None:
         """Return the first violation of a kind in :attr:`alone`."""
         return next((trace.violations[kind] for trace in self.alone if kind in trace.violations), None)
+
+
+def refuse_others(traces: Sequence[Trace], known: set[str]) -> None:
+    """Raise a violation of some episodes whose kind is not ``known``."""
+    for trace in traces:
+        for kind in trace.violations.keys() - known:
+            raise trace.violations[kind]

@@ -22,6 +22,7 @@ from indoor_explorers.env.conformance.information_leaks import (
     check_unseen,
 )
 from indoor_explorers.env.conformance.latency import report_large_latency, report_latency
+from indoor_explorers.env.conformance.levels import check_levels
 from indoor_explorers.env.policies.policy import Policy
 from indoor_explorers.env.policies.view import MESSAGE_LIMIT
 
@@ -77,6 +78,7 @@ CHECKS: dict[str, Callable[[Harness], str]] = {
     "map generator": check_generator,
     "unlinked teammates": check_unlinked,
     "failure modes": check_failure_modes,
+    "several levels": check_levels,
     "latency": report_latency,
     LARGE: report_large_latency,
 }

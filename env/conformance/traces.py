@@ -18,6 +18,7 @@ from indoor_explorers.env.conformance.findings import CannotFly, Violation, call
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Belief, Cell
 from indoor_explorers.env.grid.cells import Action
+from indoor_explorers.env.grid.levels import action_names
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.policies.explanation import Explanation
 from indoor_explorers.env.policies.policy import Pilot, checked_action
@@ -111,7 +112,7 @@ def compare(changed: Trace, recorded: Trace, agents: Sequence[int]) -> TraceComp
 
 def action_of(answer: object, trace: Trace, count: int = 5) -> int:
     """Return the action, or a stay for an answer that is none of ``count`` actions."""
-    names = ", ".join([*(action.name.lower() for action in Action), "turn"][:count])
+    names = ", ".join(action_names(count))
     try:
         return checked_action(answer, count, f" ({names})")
     except InputError as error:

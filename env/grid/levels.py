@@ -15,7 +15,7 @@ from numpy.lib.stride_tricks import as_strided
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Cell, Mask
-from indoor_explorers.env.grid.cells import MOVES, OCCUPIED
+from indoor_explorers.env.grid.cells import MOVES, OCCUPIED, Action
 from indoor_explorers.env.grid.compiled import inner
 
 #: The actions that only UAVs on maps of several levels have: move one level up, or down.
@@ -109,6 +109,11 @@ def beside(row: int, col: int, k: int, rise: int) -> tuple[int, int]:
     if k < 4:
         return row + MOVES[k, 0], col + MOVES[k, 1]
     return (row + rise if k == 4 else row - rise), col
+
+
+def action_names(count: int) -> list[str]:
+    """Return the names of the actions of a UAV that has so many: 5, 6 with turns, 7 where there are levels."""
+    return [action.name.lower() for action in Action] + {5: [], 6: ["turn"], 7: ["ascend", "descend"]}[count]
 
 
 def target_of(cell: Cell, action: int, rise: int = 0) -> Cell:

@@ -93,13 +93,14 @@ class LegalEncoder(Encoder):
 
     def encode(self, view: View, out: NDArray[np.int8]) -> None:
         """Write one view's legal actions into ``out`` (A,)."""
-        out[:5] = view.legal
-        out[5:] = 1
+        out[: len(view.legal)] = view.legal
+        out[len(view.legal) :] = 1
 
     def encode_batch(self, views: Views, out: NDArray[np.int8]) -> None:
         """Write the legal actions of single UAVs into ``out`` (B, A)."""
-        out[:, :5] = views.legal
-        out[:, 5:] = 1
+        moves = views.legal.shape[1]
+        out[:, :moves] = views.legal
+        out[:, moves:] = 1
 
 
 @dataclass(frozen=True)

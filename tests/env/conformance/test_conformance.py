@@ -7,7 +7,7 @@ import sys
 import numpy as np
 import pytest
 
-from indoor_explorers.env import Pilot, Policy, PolicyError, World, check_policy, run_checks
+from indoor_explorers.env import Pilot, Policy, PolicyError, World, check_policy, make_policy, run_checks
 from indoor_explorers.env.conformance import CHECKS
 from indoor_explorers.env.conformance.latency import latency_text
 from tests.env.conformance.policies import MOST_CHECKS, Flying, Honest, Named, make
@@ -158,6 +158,21 @@ def test_a_wrong_answer_fails_one_check_and_the_others_go_on(kind, check):
     found = findings(kind, names=CHECKS)
     assert failures(found) == {check}
     assert found["failure modes"].warned
+
+
+class RaisesOnLevels(Honest):
+    def act(self, view):
+        assert self.briefing.level_count == 1, "a plain map"
+        return super().act(view)
+
+
+def test_who_changes_levels_who_stays_and_who_raises_is_told_apart():
+    texts = [findings(kind, names=["several levels"])["several levels"] for kind in (Honest, RaisesOnLevels)]
+    assert texts[0].text.endswith("staying on the levels of their starts")
+    assert not texts[0].warned
+    assert texts[1].text.startswith("cannot fly maps of several levels: act raised AssertionError: a plain map")
+    assert texts[1].warned
+    assert "on 4 of 7 levels" in check_policy(make_policy("frontier-nearest"))["several levels"]
 
 
 class TallyRaises(Honest):

@@ -47,6 +47,12 @@ def test_pettingzoo_s_parallel_checks_of_harder_tasks(settings):
     parallel_api_test(parallel_env(scenario="thesis-team-4", settings=settings), num_cycles=200)
 
 
+def test_pettingzoo_s_parallel_checks_of_several_levels():
+    from pettingzoo.test import parallel_api_test
+
+    parallel_api_test(parallel_env(scenario="small-storeys"), num_cycles=50)
+
+
 def test_a_uav_that_stops_has_terminated():
     env = parallel_env(scenario="thesis-team-2", settings={"failures.stops": ((1, 2),), "on_collision": "block"})
     env.reset(seed=1)
