@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env import Scenario, World
-from indoor_explorers.env.grid.cells import FREE, MOVES
+from indoor_explorers.env.grid.cells import FREE
 from indoor_explorers.env.grid.compiled import kernel, leaf
+from indoor_explorers.env.grid.levels import Levels, beside, degree
 from indoor_explorers.env.simulation.state import State
 from indoor_explorers.evaluation.studies.bench.worlds import first_episodes, next_episodes
 
@@ -50,7 +51,7 @@ def _is_new(state: State, b: int, row: int, col: int) -> bool:
 
 
 @leaf(entry=False)
-def _move_of(state: State, b: int, agent: int, heading: int, arrays: SearchArrays, search: int) -> int:
+def _move_of(state: State, b: int, agent: int, heading: int, arrays: SearchArrays, search: int, rise: int) -> int:
     """Return the first move to the nearest new cell, 4 if there is none or teammates block the way."""
     height, width = state.truth.shape[1], state.truth.shape[2]
     origin = state.cell[b, agent, 0] * width + state.cell[b, agent, 1]
@@ -58,16 +59,16 @@ def _move_of(state: State, b: int, agent: int, heading: int, arrays: SearchArray
     head, tail = 0, 1
     while head < tail:
         row, col = divmod(arrays.queue[head], width)
-        for k in range(4):
-            turn = (heading + TURNS[k]) % 4
-            r, c = row + MOVES[turn, 0], col + MOVES[turn, 1]
+        for k in range(degree(rise)):
+            turn = (heading + TURNS[k]) % 4 if k < 4 else k
+            r, c = beside(row, col, turn, rise)
             cell = r * width + c
             if not (0 <= r < height and 0 <= c < width) or state.truth[b, r, c] != FREE or arrays.seen[cell] == search:
                 continue
             if head == 0 and _is_mate(state, b, r, c):
                 continue
             arrays.seen[cell], arrays.queue[tail] = search, cell
-            arrays.way[cell] = turn if head == 0 else arrays.way[arrays.queue[head]]
+            arrays.way[cell] = turn + (turn > 3) if head == 0 else arrays.way[arrays.queue[head]]
             tail += 1
             if _is_new(state, b, r, c):
                 return int(arrays.way[cell])
@@ -76,12 +77,14 @@ def _move_of(state: State, b: int, agent: int, heading: int, arrays: SearchArray
 
 
 @kernel()
-def _choose(state: State, headings: np.ndarray, arrays: SearchArrays, searches: int, actions: np.ndarray) -> int:
+def _choose(
+    state: State, headings: np.ndarray, arrays: SearchArrays, searches: int, actions: np.ndarray, rise: int
+) -> int:
     """Fill ``actions`` (B, N) and update ``headings`` (B, N); return the total number of searches."""
     for b in range(state.end.shape[0]):
         for n in range(state.end.shape[1]):
             searches += 1
-            actions[b, n] = _move_of(state, b, n, headings[b, n], arrays, searches)
+            actions[b, n] = _move_of(state, b, n, headings[b, n], arrays, searches, rise)
             if actions[b, n] < 4:
                 headings[b, n] = actions[b, n]
     return searches
@@ -94,9 +97,10 @@ def exploring_moves(task: Scenario, batch: int, steps: int) -> NDArray[np.int64]
     cells = world.state.truth[0].size
     arrays = SearchArrays(*(np.zeros(cells, np.int64) for _ in SearchArrays._fields))
     moves = np.empty((steps, batch, task.team), np.int64)
+    rise = Levels.of(world.state.truth.shape[1:], task.map.level_count).rise
     headings, searches = np.zeros((batch, task.team), np.int64), 0
     for actions in moves:
-        searches = _choose(world.state, headings, arrays, searches, actions)
+        searches = _choose(world.state, headings, arrays, searches, actions, rise)
         world.step(actions)
         next_episodes(world, seeds)
     return moves

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env import Scenario, World
-from indoor_explorers.env.grid.cells import FREE
+from indoor_explorers.env.grid.cells import FREE, Action
 from indoor_explorers.env.grid.compiled import kernel
-from indoor_explorers.env.maps.sources import ThesisMaps
+from indoor_explorers.env.maps.sources import StoreysMaps, ThesisMaps
 from indoor_explorers.env.observations.incremental import LivePlanes
 from indoor_explorers.env.scenarios.parts import Lidar, Radio
 from indoor_explorers.env.sensing.lidar import LidarModel, Scan, lidar_model, new_scan, visible_cells
@@ -37,12 +37,20 @@ def square(side: int, lidar_range: float, team: int, radio: Radio | None = None)
     )
 
 
+def tall(side: int, levels: int, lidar_range: float, team: int) -> Scenario:
+    """Return a storey of some levels: rooms, corridors and furniture; hitting a wall only costs a step."""
+    task = square(side, lidar_range, team)
+    maps = StoreysMaps(height=side, width=side, storeys=1, storey_height=levels)
+    return task.model_copy(update={"name": f"{side}x{side}x{levels}", "map": maps})
+
+
 #: Worlds whose speed is measured: (scenario, batch size, which is about the fastest on two cores).
 WORLDS = {
     "world-16x16-lidar3-team1": (square(16, 3.0, 1), 8192),
     "world-16x16-lidar3-team4": (square(16, 3.0, 4), 2048),
     "world-64x64-lidar10-team4": (square(64, 10.0, 4), 256),
     "world-250x250-lidar35-team2": (square(250, 35.0, 2), 64),
+    "world-64x64x6-lidar10-team4": (tall(64, 6, 10.0, 4), 64),
 }
 #: The smaller of them with errors of lidar and poses, on one core.
 ERRORS = {"noise.misses": 0.05, "noise.false_returns": 0.001, "noise.range_std": 0.2, "drift.rate": 0.001}
@@ -51,9 +59,10 @@ UNCERTAIN = {
 }
 
 
-def random_moves(batch: int, team: int, steps: int = 64) -> NDArray[np.int64]:
-    """Return (steps, B, N) moves in random directions, blind to walls."""
-    return np.random.default_rng(0).integers(0, 4, (steps, batch, team))
+def random_moves(batch: int, team: int, steps: int = 64, levels: int = 1) -> NDArray[np.int64]:
+    """Return (steps, B, N) moves in random directions, blind to walls; also up and down where there are levels."""
+    moves = np.random.default_rng(0).integers(0, 4 if levels == 1 else 6, (steps, batch, team))
+    return moves + (moves >= Action.STAY)
 
 
 def world_speed(
@@ -73,7 +82,7 @@ def world_speed(
     :func:`indoor_explorers.evaluation.studies.bench.exploring.exploring_moves` fit them.
     """
     world = World(task, batch, threads=threads)
-    actions = random_moves(batch, task.team) if moves is None else moves
+    actions = random_moves(batch, task.team, levels=task.map.level_count) if moves is None else moves
     world.reset(range(batch))
     live = LivePlanes(world)
 

@@ -26,6 +26,7 @@ UNITS = {
     "world-64x64-lidar10-team4": "agent-steps/s",
     "world-250x250-lidar35-team2": "agent-steps/s",
     "world-250x250-lidar35-team2-exploring-core": "agent-steps/s",
+    "world-64x64x6-lidar10-team4-exploring-core": "agent-steps/s",
     "ancestor-16x16-team1": "agent-steps/s",
     "ratio-to-ancestor-team4": "x",
     "memory-64x64-lidar10-team4": "bytes",
