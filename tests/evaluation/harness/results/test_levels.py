@@ -1,0 +1,50 @@
+"""Results of flights on maps of several levels."""
+
+import numpy as np
+import pytest
+
+from indoor_explorers.env.scenarios.presets import scenario
+from indoor_explorers.env.simulation.spawns import draw_floorplan
+from indoor_explorers.evaluation.cli.parser import main
+from indoor_explorers.evaluation.harness.episodes.resimulate import ended_as_recorded, resimulate
+from indoor_explorers.evaluation.harness.results.results import Results
+from indoor_explorers.evaluation.harness.results.rows import floorplan_of, floorplan_row
+
+TASK = scenario("small-storeys")
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory):
+    """One episode each of a planner that changes levels and of one that does not."""
+    out = tmp_path_factory.mktemp("levels")
+    names = ("--policies", "frontier-nearest,random", "--scenario", "small-storeys", "--episodes", "1")
+    assert main(["compare", *names, "--workers", "1", "--set", "budget=400", "--out", str(out)]) == 0
+    return Results.load(out)
+
+
+def test_a_stored_map_is_read_back_with_its_levels():
+    plan = draw_floorplan(TASK, 1)
+    again = floorplan_of(floorplan_row(plan))
+    assert again.levels == plan.levels
+    assert again.digest == plan.digest
+    np.testing.assert_array_equal(again.truth, plan.truth)
+
+
+def test_a_stored_map_whose_height_is_wrong_is_refused():
+    row = list(floorplan_row(draw_floorplan(TASK, 1)))
+    row[2] += 1
+    with pytest.raises(ValueError, match=r"its cells are not those of its hash|levels of equal height"):
+        floorplan_of(tuple(row))
+
+
+def test_recorded_flights_are_simulated_again_to_the_same_end(results):
+    for record in results.records:
+        assert record.floorplan.level_count == 7
+        *_, last = resimulate(record, results.scenario(record.task.scenario))
+        assert ended_as_recorded(record, last)
+    assert max(int(record.actions.max()) for record in results.records) > 4
+
+
+def test_lower_bounds_hold_and_are_worth_something(results):
+    nearest = next(record for record in results.records if record.policy == "frontier-nearest")
+    assert 1.0 <= nearest.metrics["t99_to_bound"] < 4.0

@@ -1,0 +1,49 @@
+"""Planners on maps of several levels: those that change levels explore all, the others stay on theirs."""
+
+import numpy as np
+import pytest
+
+from indoor_explorers.env import World, make_policy, scenario
+
+TASK = scenario("small-storeys").for_evaluation()
+CHANGE = (
+    *("frontier-nearest", "frontier-utility", "frontier-burgard", "frontier-hungarian", "frontier-minpos"),
+    *("frontier-mrtsp", "frontier-tour", "frontier-advantage", "frontier-latency", "frontier", "frontier-predictive"),
+    "reference",
+)
+
+
+def flown(name, seed, **parameters):
+    """The world at the end of an episode."""
+    world, policy = World(TASK), make_policy(name, **parameters)
+    world.reset([seed])
+    pilots = [policy.pilot(world.briefing(0, n, privileged=policy.privileged)) for n in range(2)]
+    while world.flying.any():
+        world.step([[pilot.act(world.view(0, n)) for n, pilot in enumerate(pilots)]])
+    return world
+
+
+def levels_of(world):
+    """The levels that the UAVs were on."""
+    levels = world.briefing(0, 0).levels
+    return {levels.voxel((row, 0))[0] for row in np.flatnonzero(world.state.visited[0].any(axis=(0, 2))).tolist()}
+
+
+@pytest.mark.parametrize("name", CHANGE)
+def test_planners_that_change_levels_explore_all_of_them(name):
+    world = flown(name, 3)
+    assert world.team_coverage[0] == 1.0
+    assert not world.state.collisions.any()
+    assert len(levels_of(world)) > 3
+
+
+def test_a_plan_for_one_level_stays_there_until_the_budget_is_flown():
+    world = flown("aco", 3)
+    again = World(TASK)
+    again.reset([3])
+    assert levels_of(world) == levels_of(again)
+    assert world.team_coverage[0] < 1.0
+
+
+def test_forms_of_utility_count_cells_on_all_levels():
+    assert flown("frontier-utility", 3, form="discounted").team_coverage[0] == 1.0
