@@ -32,6 +32,7 @@ class PlacesPilot(GoalPilot):
 
     """
 
+    changes_levels: ClassVar[bool] = True
     straight = True
 
     def __init__(self, briefing: Briefing, loaded: Loaded, sector: float = 0.0) -> None:

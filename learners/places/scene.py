@@ -110,7 +110,7 @@ class Observer:
 
     Args:
         pilot: The pilot that flies to the places.
-        guess: Whether to use the estimates of the free space behind the clusters.
+        guess: Whether to use the estimates of the free space behind the clusters, on maps of one level.
         sector: Preference for the own sector while teammates were never heard; see :class:`OutOfContact`.
 
     """
@@ -119,7 +119,8 @@ class Observer:
         self._pilot, self._briefing = pilot, pilot.briefing
         self._range = float(pilot.briefing.lidar_range)
         self._found = ClusterPlaces(pilot, TRAINED_ON, stride=TRAINED_STRIDE, same=TRAINED_SAME)
-        self._estimator = PocketEstimator(self._range) if guess else None
+        one_level = pilot.paths.rise == 0  # the estimates know no levels
+        self._estimator = PocketEstimator(self._range) if guess and one_level else None
         self._judge = ClusterJudge(pilot.briefing, TRAINED_OUTLOOK)
         self._out_of_contact = OutOfContact(pilot.briefing, sector=sector) if sector else None
 
