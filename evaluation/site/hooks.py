@@ -18,6 +18,7 @@ from indoor_explorers.evaluation.cli.command import make_console, print_line
 from indoor_explorers.evaluation.site.commands import broken
 from indoor_explorers.evaluation.site.gallery import example_report, gallery_page, pictures
 from indoor_explorers.evaluation.site.pictures.architecture import architecture_pictures
+from indoor_explorers.evaluation.site.pictures.atlas import atlas_pictures
 from indoor_explorers.evaluation.site.pictures.concepts import concept_pictures
 from indoor_explorers.evaluation.site.pictures.dynamics import dynamics_pictures
 from indoor_explorers.evaluation.site.pictures.learners import learner_pictures
@@ -77,6 +78,7 @@ MADE = {
 DRAWN = (
     pictures,
     architecture_pictures,
+    atlas_pictures,
     concept_pictures,
     dynamics_pictures,
     learner_pictures,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from indoor_explorers.env.errors import InputError
@@ -31,6 +32,18 @@ class ExploringWith(Parameters, Policy):
             name = type(self).__name__
             raise InputError(f"{name}: expected an explorer that is not given the map, got {self.explorer!r}")
         object.__setattr__(self, "uses_generator", explorer.uses_generator)
+
+    def provenance(self) -> dict[str, str]:
+        """Return what the explorer declares, such as a hash of its weights."""
+        return make_policy(self.explorer).provenance()
+
+    def seen_seeds(self) -> Mapping[str, Sequence[range]]:
+        """Return the seeds that the explorer was trained, validated or tuned on."""
+        return make_policy(self.explorer).seen_seeds()
+
+    def seen_maps(self) -> Mapping[str, Sequence[str]]:
+        """Return the maps that the explorer was trained, validated or tuned on."""
+        return make_policy(self.explorer).seen_maps()
 
 
 def with_added(message: Message, *numbers: float) -> Message:

@@ -43,8 +43,13 @@ def svg(draw: Callable[[Figure], None]) -> bytes:
         figure.set_facecolor("white")
         FigureCanvasSVG(figure)
         draw(figure)
-        file = io.BytesIO()
-        figure.savefig(file, format="svg", metadata={"Date": None}, bbox_inches="tight", pad_inches=0.04)
+        return svg_of(figure)
+
+
+def svg_of(figure: Figure) -> bytes:
+    """Return the SVG file of a figure that was drawn in the style for print; equal figures give equal bytes."""
+    file = io.BytesIO()
+    figure.savefig(file, format="svg", metadata={"Date": None}, bbox_inches="tight", pad_inches=0.04)
     return file.getvalue()
 
 

@@ -10,9 +10,16 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from indoor_explorers.evaluation.analysis.best_planner import PlannerRow, against_best_planner, is_learner
+from indoor_explorers.evaluation.analysis.best_planner import (
+    PlannerRow,
+    against_best_planner,
+    is_learner,
+    read_best_planner,
+    write_best_planner,
+)
 from indoor_explorers.evaluation.analysis.comparison import Comparison
-from indoor_explorers.evaluation.analysis.tables.planner_table import planner_table
+from indoor_explorers.evaluation.analysis.tables.planner_table import best_steps, planner_cell, planner_table
+from indoor_explorers.evaluation.drawing.formatting import percent
 from indoor_explorers.evaluation.drawing.print_style import print_style
 from indoor_explorers.evaluation.exports import write_exports
 from indoor_explorers.evaluation.exports.figures import write_figures
@@ -75,18 +82,55 @@ def test_the_best_planner_is_the_fastest_policy_without_weights_that_is_ranked(l
     small, large = rows_of(learned)
     assert (small.planner, large.planner) == ("tree", "nearest")
     assert {name for name, facts in learned.policies.items() if is_learner(facts)} == {"network", "twin"}
-    found = {name: each.contrast.finding for name, each in small.others.items()}
+    found = {name: each.finding for name, each in small.policies.items()}
     assert found == {
+        "tree": None,
         "nearest": Finding.WORSE,
         "network": Finding.BETTER,
         "twin": Finding.AS_GOOD,
         "map": Finding.BETTER,
     }
-    assert small.others["network"].row.ratio.of_tasks.mean == pytest.approx(np.mean((NEAREST - 20) / (NEAREST - 4)))
-    assert small.others["network"].row.metric == "t99"
-    contrast = large.others["twin"].contrast
-    assert contrast.finding is Finding.OPEN
-    assert contrast.needed > SEEDS
+    assert small.policies["network"].row.ratio.of_tasks.mean == pytest.approx(np.mean((NEAREST - 20) / (NEAREST - 4)))
+    assert small.policies["network"].row.metric == "t99"
+    twin = large.policies["twin"]
+    assert twin.finding is Finding.OPEN
+    assert twin.needed > SEEDS
+    assert large.best.reached == 1
+    assert large.policies["network"].reached == pytest.approx(1 - 1 / SEEDS)
+    assert large.best.steps == pytest.approx(NEAREST.mean())
+
+
+def test_a_learner_without_its_network_is_a_planner() -> None:
+    assert is_learner(WEIGHTS | {"parameters": {"network": "True"}})
+    assert not is_learner(WEIGHTS | {"parameters": {"network": "False"}})
+    assert not is_learner({"parameters": {"network": "True"}})
+
+
+def test_its_file_holds_all_of_it(learned: Results, tmp_path: Path) -> None:
+    found = rows_of(learned)
+    write_best_planner(found, tmp_path / "best_planner.csv")
+    again = read_best_planner(tmp_path / "best_planner.csv")
+    assert [(row.title, row.planner, row.margin) for row in again] == [
+        (row.policies[row.planner].row.scenario, row.planner, row.margin) for row in found
+    ]
+    for row, other in zip(found, again, strict=True):
+        assert list(row.policies) == list(other.policies)
+        for name in row.policies:
+            assert planner_cell(row, name) == replace(planner_cell(other, name), value=planner_cell(row, name).value)
+    write_best_planner(again, tmp_path / "again.csv")
+    assert (tmp_path / "again.csv").read_bytes() == (tmp_path / "best_planner.csv").read_bytes()
+
+
+def test_where_too_few_finish_for_a_ratio_the_share_that_did_is_told() -> None:
+    half = [None if k % 2 else late for k, late in enumerate(NEAREST)]
+    other = [late if k % 2 else None for k, late in enumerate(NEAREST)]
+    times = {"nearest": half, "network": other}
+    rows = rows_of(results({"small": times, "large": times}, ["network"]))
+    assert planner_cell(rows[0], "network").line == f"{percent(0.5)} reached"
+    assert best_steps(rows[0], 0) == "\N{GREATER-THAN OR EQUAL TO} 82 steps"
+    table = planner_table(rows)
+    assert table is not None
+    assert table.rows[0].cells[0].line.endswith(f" 82.5 steps, {percent(0.5)} reached")
 
 
 def test_it_needs_a_learner_a_planner_and_several_scenarios(learned: Results) -> None:
@@ -141,11 +185,12 @@ def test_a_page_without_learners_has_no_such_section(learned: Results, tmp_path:
 
 def test_a_sheet_has_no_more_columns_than_fit(learned: Results) -> None:
     rows = rows_of(learned)
-    many = [replace(row, others={f"p{k}": row.others["network"] for k in range(2 * MOST)}) for row in rows]
-    names = {name: WEIGHTS for name in many[0].others} | {"tree": {}, "nearest": {}}
-    for row in many:
-        object.__setattr__(row.comparison, "results", replace(row.comparison.results, policies=names))
+    many = [
+        replace(row, policies={f"p{k}": row.policies["network"] for k in range(2 * MOST)} | {row.planner: row.best})
+        for row in rows
+    ]
     with print_style():
         sheets = planner_figures(many)
-        assert [len(sheet.axes[0].get_xticks()) for sheet in sheets] == [MOST, MOST, 2]
+    assert [len(sheet.axes[0].get_xticks()) for sheet in sheets] == [MOST, MOST, 2]
+    assert [tick.get_text() for tick in sheets[2].axes[0].get_xticklabels()] == ["tree", "nearest"]
     assert planner_figures([]) == []
