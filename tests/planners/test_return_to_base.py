@@ -31,6 +31,14 @@ def test_without_flights_home_it_is_the_explorer(explorer, settings):
     assert np.array_equal(found, alone)
 
 
+def test_it_declares_what_its_explorer_was_trained_with():
+    learner, alone = ReturnToBase(explorer="dddqn-places"), make_policy("dddqn-places")
+    assert learner.provenance() == alone.provenance() != {}
+    assert learner.seen_maps() == alone.seen_maps() != {}
+    assert ReturnToBase(explorer="dddqn").seen_seeds() == make_policy("dddqn").seen_seeds() != {}
+    assert ReturnToBase().provenance() == {}
+
+
 def test_fixed_intervals_are_kept():
     world, pilots, _ = flown(ReturnToBase(when="every", every=30), budget=400, **HOME)
     contacts = pilots[0, 0].tally()["flights_home"]
