@@ -75,7 +75,8 @@ def _parts(figure: Figure) -> None:
     figure.set_size_inches(WIDTH, ROW * len(names) + 0.9)
     panels = figure.subplots(1, 2, sharey=True)
     for axes, part in zip(panels, LEARNED, strict=True):
-        _panel(axes, table[table["policy"] == part.policy], part, names)
+        pair = (table["policy"] == part.policy) & (table["to"] == part.without)
+        _panel(axes, table[pair], part, names)
     panels[0].set(yticks=range(len(names)), yticklabels=[short(name) for name in names], ylim=(len(names) - 0.5, -0.5))
     legend = [Line2D([], [], linewidth=1.2, label=time.upper(), **look) for time, look in TIMES.items()]
     figure.legend(handles=legend, loc="outside lower center", ncols=2)
