@@ -21,7 +21,7 @@ from indoor_explorers.evaluation.harness.experiment.planning import plan
 from indoor_explorers.evaluation.harness.experiment.request import ComparisonRequest
 from indoor_explorers.evaluation.harness.results.ratios import POOLED
 from indoor_explorers.evaluation.site.pictures.drawing import svg, svg_of
-from indoor_explorers.evaluation.site.studies.atlas import LEARNED, Part, parts, planner_rows, short
+from indoor_explorers.evaluation.site.studies.atlas import LEARNED, Part, of_part, parts, planner_rows, short
 
 #: Inches of the picture of the parts, and of a row.
 WIDTH, ROW = 7.0, 0.27
@@ -70,13 +70,11 @@ def replay() -> bytes:
 
 
 def _parts(figure: Figure) -> None:
-    table = parts()
-    names = [name for name in dict.fromkeys(table["scenario"]) if name != POOLED] + [POOLED]
+    names = [name for name in dict.fromkeys(parts()["scenario"]) if name != POOLED] + [POOLED]
     figure.set_size_inches(WIDTH, ROW * len(names) + 0.9)
     panels = figure.subplots(1, 2, sharey=True)
     for axes, part in zip(panels, LEARNED, strict=True):
-        pair = (table["policy"] == part.policy) & (table["to"] == part.without)
-        _panel(axes, table[pair], part, names)
+        _panel(axes, of_part(part), part, names)
     panels[0].set(yticks=range(len(names)), yticklabels=[short(name) for name in names], ylim=(len(names) - 0.5, -0.5))
     legend = [Line2D([], [], linewidth=1.2, label=time.upper(), **look) for time, look in TIMES.items()]
     figure.legend(handles=legend, loc="outside lower center", ncols=2)

@@ -59,6 +59,12 @@ def parts() -> pd.DataFrame:
     return pd.read_csv(PARTS)
 
 
+def of_part(part: Part) -> pd.DataFrame:
+    """Return the ratios of a learned part, one for each time and task, and over all tasks."""
+    table = parts()
+    return table[(table["policy"] == part.policy) & (table["to"] == part.without)]
+
+
 def short(scenario: str) -> str:
     """Return the name of a task without that of the suite."""
     return scenario.removeprefix("atlas-")

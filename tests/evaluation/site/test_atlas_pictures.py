@@ -14,6 +14,7 @@ from indoor_explorers.evaluation.site.studies.atlas import (
     PARTS,
     PLANNERS,
     finding_table,
+    of_part,
     parts,
     planner_rows,
     pooled_table,
@@ -64,6 +65,14 @@ def test_the_files_are_small_and_hold_both_parts_and_the_best_planners():
     assert set(parts()[parts()["scenario"] == POOLED]["policy"]) == {part.policy for part in LEARNED}
     assert LEARNER in {part.policy for part in LEARNED}
     assert PLANNERS.read_text("utf-8").count(BEST) == len(planner_rows())
+
+
+def test_a_part_has_one_ratio_for_each_time_and_task_and_over_all():
+    tasks = {row.best.row.scenario for row in planner_rows()} | {POOLED}
+    for part in LEARNED:
+        table = of_part(part)
+        found = list(zip(table["scenario"], table["metric"], strict=True))
+        assert sorted(found) == sorted((task, time) for task in tasks for time in ("t90", "t99"))
 
 
 def test_the_pictures_show_the_tasks_and_are_the_same_each_time():
