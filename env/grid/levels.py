@@ -73,6 +73,17 @@ class Levels(NamedTuple):
         level, row = divmod(int(cell[0]), self.height + 1)
         return level, row, int(cell[1])
 
+    @property
+    def size(self) -> tuple[int, ...]:
+        """(L, H, W), or (H, W) where there is one level."""
+        return tuple(self) if self.number > 1 else (self.height, self.width)
+
+    def voxels(self, cells: NDArray[Any]) -> NDArray[Any]:
+        """Return the (level, row, column) (..., 3) of cells (..., 2) of the plane."""
+        rows = cells[..., 0]
+        level = rows // (self.height + 1) if self.number > 1 else np.zeros_like(rows)
+        return np.stack((level, rows - level * (self.height + 1), cells[..., 1]), axis=-1)
+
     def volume(self, plane: NDArray[Any]) -> NDArray[Any]:
         """Return an array of the plane's shape as (L, H, W), read-only and without a copy."""
         along, across = plane.strides

@@ -156,8 +156,8 @@ def base_links(linked: Mask, contact: Mask, cells: NDArray[np.int64], base: NDAr
     Args:
         linked: (N, N) UAVs in direct radio contact.
         contact: (N,) UAVs in contact with the base, directly or through others.
-        cells: (N, 2) of the UAVs.
-        base: (2,) cell of the base.
+        cells: (N, D) of the UAVs, in two or three dimensions.
+        base: (D,) cell of the base.
 
     """
     from scipy.sparse.csgraph import connected_components  # here, since it takes long to import

@@ -24,10 +24,10 @@ def denominator(settings: Mapping[str, Any]) -> str:
     return DENOMINATORS[settings.get("denominator", "reachable")]
 
 
-def summary_line(settings: Mapping[str, Any], budgets: Sequence[int], shapes: Sequence[tuple[int, int]]) -> list[str]:
-    """Describe a scenario in a few short phrases."""
+def summary_line(settings: Mapping[str, Any], budgets: Sequence[int], shapes: Sequence[tuple[int, ...]]) -> list[str]:
+    """Describe a scenario in a few short phrases; ``shapes`` are (H, W), or (L, H, W) of several levels."""
     lidar, radio = settings["lidar"], settings.get("radio", {})
-    phrases = [_span([f"{height} by {width}" for height, width in shapes], "cells")]
+    phrases = [_span([_size(*shape) for shape in shapes], "cells")]
     phrases.append(counted(settings["team"], "UAV"))
     phrases.append(f"lidar {lidar['range']:g} cells")
     if settings["team"] > 1:
@@ -39,6 +39,11 @@ def summary_line(settings: Mapping[str, Any], budgets: Sequence[int], shapes: Se
         "a collision ends the UAV" if settings.get("on_collision") == "end" else "a collision costs the step"
     )
     return [phrase for phrase in phrases if phrase]
+
+
+def _size(*sides: int) -> str:
+    levels = f"{sides[0]} levels of " if len(sides) > 2 else ""
+    return f"{levels}{sides[-2]} by {sides[-1]}"
 
 
 def _span(entries: Sequence[str], unit: str) -> str:

@@ -197,7 +197,7 @@ def _reported_cell(figures: ReportedFigures, column: MeasureColumn) -> Cell:
 def _task_summary(comparison: Comparison) -> TaskSummary:
     settings = comparison.results.scenarios[comparison.scenario]
     budgets = sorted({record.budget for record in comparison.records})
-    shapes = sorted({record.floorplan.shape for record in comparison.records})
+    shapes = sorted({record.floorplan.levels.size for record in comparison.records})
     return TaskSummary(
         team=settings["team"],
         phrases=facts.summary_line(settings, budgets, shapes),

@@ -104,9 +104,9 @@ def _map_panel(groups: Groups, folder: str, limit: int, styles: Styles, level: C
     task = _median_task(groups)
     records = [record for group in groups.values() for record in group]
     name = next(record.floorplan.name for record in records if record.task == task)
-    shape = next(record.floorplan.shape for record in records if record.task == task)
+    size = next(record.floorplan.levels.size for record in records if record.task == task)
     maps = len({record.task.map_index for record in records})
-    detail = counted(maps, "map") if folder else f"{shape[0]} x {shape[1]}"
+    detail = counted(maps, "map") if folder else " x ".join(map(str, size))
     return Panel(folder or name, detail, _drawing(groups, limit, styles, level), (task.map_index, task.seed))
 
 

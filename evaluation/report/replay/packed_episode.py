@@ -124,7 +124,8 @@ def _links(world: World) -> NDArray[np.bool_]:
     state = world.state
     if not world.scenario.base.exists:
         return np.asarray(state.linked[0])
-    leads = base_links(state.linked[0], state.base_contact[0], state.cell[0], state.base_cell[0])
+    voxels = world.briefing(0, 0).levels.voxels
+    leads = base_links(state.linked[0], state.base_contact[0], voxels(state.cell[0]), voxels(state.base_cell[0]))
     return with_base(state.linked[0], leads)
 
 

@@ -190,7 +190,7 @@ def _episode(
             _flight(comparison, flight, stream) | {"why": explaining.told(flight.record)}
             for flight, stream in zip(flights[:fits], streams[:fits], strict=True)
         ],
-    }
+    } | ({"levels": plan.level_count} if plan.level_count > 1 else {})
 
 
 def _flight(comparison: Comparison, flight: ReplayEpisode, stream: str) -> dict[str, Any]:

@@ -31,9 +31,10 @@ class Inks {
   policy(policy) { return Theme.colour(`--c${policy.colour}`); }
 }
 
-/* Whether a cell that is known to be free borders on one that is not known. */
-function isFrontier(isUnknown, cell, width, size) {
+/* Whether a cell that is known to be free borders on one that is not known; ``rise`` leads to the next level, if any. */
+function isFrontier(isUnknown, cell, width, size, rise) {
   const column = cell % width;
+  if (rise && ((cell >= rise && isUnknown(cell - rise)) || (cell + rise < size && isUnknown(cell + rise)))) return true;
   return (column > 0 && isUnknown(cell - 1)) || (column < width - 1 && isUnknown(cell + 1))
     || (cell >= width && isUnknown(cell - width)) || (cell + width < size && isUnknown(cell + width));
 }
@@ -49,40 +50,49 @@ function groundOf({ walls, prior }, layers, inks) {
   return (cell) => both[walls[cell]][prior[cell]];
 }
 
-/* A picture of the cells, one pixel each, on ``sheet``; ``wrong`` are those that the map shows wrongly. */
-function paintCells(sheet, episode, known, wrong, frame, layers, inks) {
-  const { width, height, walls } = episode;
-  const image = new ImageData(width, height), pixels = new Uint32Array(image.data.buffer);
+/* A picture of the cells in their grid, one pixel each, on ``sheet``; ``wrong`` are those that the map shows wrongly. */
+function paintCells(sheet, episode, grid, known, wrong, frame, layers, inks) {
+  const { width, walls } = episode, size = walls.length, rise = grid.levels > 1 ? (grid.high + 1) * width : 0;
+  const image = new ImageData(grid.width, grid.height), pixels = new Uint32Array(image.data.buffer);
   const behind = groundOf(episode, layers, inks);
   const plain = layers.has("known"), edges = layers.has("frontier");
-  const isUnknown = (cell) => known[cell] > frame && wrong[cell] > frame;
-  for (let cell = 0; cell < pixels.length; cell++) {
+  const isUnknown = (cell) => known[cell] > frame && wrong[cell] > frame && !grid.isBetween(Math.floor(cell / width));
+  const shade = (cell) => {
     const wall = walls[cell];
-    if (plain && wrong[cell] <= frame) pixels[cell] = inks.wrong;
-    else if (known[cell] > frame) pixels[cell] = behind(cell);
-    else if (edges && !wall && isFrontier(isUnknown, cell, width, pixels.length)) pixels[cell] = inks.frontier;
-    else pixels[cell] = plain ? inks.clear[wall] : behind(cell);
+    if (plain && wrong[cell] <= frame) return inks.wrong;
+    if (known[cell] > frame) return behind(cell);
+    if (edges && !wall && isFrontier(isUnknown, cell, width, size, rise)) return inks.frontier;
+    return plain ? inks.clear[wall] : behind(cell);
+  };
+  for (let row = 0; row * width < size; row++) {
+    if (grid.isBetween(row)) continue;
+    const [down, right] = grid.place(row, 0), from = down * grid.width + right;
+    for (let column = 0; column < width; column++) pixels[from + column] = shade(row * width + column);
   }
-  sheet.width = width;
-  sheet.height = height;
+  sheet.width = grid.width;
+  sheet.height = grid.height;
   sheet.getContext("2d").putImageData(image, 0, 0);
 }
 
 /* The marks of one flight at one frame. */
 class Marks {
-  constructor(pen, flight, base, frame, scale, ratio, inks) {
-    Object.assign(this, { pen, flight, base, frame, scale, ratio, inks });
+  constructor(pen, flight, base, frame, scale, ratio, inks, grid) {
+    Object.assign(this, { pen, flight, base, frame, scale, ratio, inks, grid });
     this.radius = Math.max((flight.team > 1 ? 6.5 : 5) * ratio, scale * 0.42);
   }
 
-  centre(row, column) { return [(column + 0.5) * this.scale, (row + 0.5) * this.scale]; }
+  centre(row, column) { return this.grid.place(row, column).reverse().map((place) => (place + 0.5) * this.scale); }
 
-  /* Where a UAV is; the home base comes after the last one. */
-  at(uav, frame = this.frame) {
-    if (uav === this.flight.team) return this.centre(...this.base);
+  /* The row and column of a UAV; the home base comes after the last one. */
+  cell(uav, frame = this.frame) {
+    if (uav === this.flight.team) return this.base;
     const k = 2 * (frame * this.flight.team + uav);
-    return this.centre(this.flight.cells[k], this.flight.cells[k + 1]);
+    return [this.flight.cells[k], this.flight.cells[k + 1]];
   }
+
+  at(uav, frame = this.frame) { return this.centre(...this.cell(uav, frame)); }
+
+  level(uav, frame = this.frame) { return this.grid.levelOf(this.cell(uav, frame)[0]); }
 
   hasStopped(uav) { return this.flight.stops[uav] <= this.frame; }
 
@@ -96,40 +106,76 @@ class Marks {
     this.eachUav((uav, colour) => {
       pen.strokeStyle = colour;
       pen.beginPath();
-      for (let frame = 0; frame <= this.frame; frame++) pen.lineTo(...this.at(uav, frame));
+      this.line(Array.from({ length: this.frame + 1 }, (_, frame) => this.cell(uav, frame)));
       pen.stroke();
     });
     pen.globalAlpha = 1;
+    if (this.grid.levels > 1) this.eachUav((uav, colour) => this.changes(uav, colour));
+  }
+
+  /* A line through cells, broken where they change their level. */
+  line(cells) {
+    let before;
+    for (const [row, column] of cells) {
+      const level = this.grid.levelOf(row);
+      this.pen[level === before ? "lineTo" : "moveTo"](...this.centre(row, column));
+      before = level;
+    }
+  }
+
+  /* Triangles where a UAV left a level, which point up or down. */
+  changes(uav, colour) {
+    for (let frame = 1; frame <= this.frame; frame++) {
+      const rise = this.level(uav, frame) - this.level(uav, frame - 1);
+      if (rise) this.triangle(this.at(uav, frame - 1), -Math.sign(rise), colour);
+    }
+  }
+
+  triangle([x, y], down, colour) {
+    const { pen } = this, size = this.radius * 0.55;
+    pen.beginPath();
+    pen.moveTo(x, y + down * size);
+    for (const side of [-1, 1]) pen.lineTo(x + side * size, y - down * size * 0.8);
+    pen.closePath();
+    pen.fillStyle = colour;
+    pen.fill();
+    pen.lineWidth = this.ratio;
+    pen.strokeStyle = this.inks.paper;
+    pen.stroke();
   }
 
   lidar(range) {
     const { pen } = this;
     this.eachUav((uav, colour) => {
       if (this.hasStopped(uav)) return;
-      pen.beginPath();
-      pen.arc(...this.at(uav), range * this.scale, 0, 2 * Math.PI);
-      pen.fillStyle = pen.strokeStyle = colour;
-      pen.globalAlpha = 0.08;
-      pen.fill();
-      pen.globalAlpha = 0.6;
-      pen.lineWidth = 1.2 * this.ratio;
-      pen.stroke();
-      pen.globalAlpha = 1;
+      this.grid.within(this.level(uav), pen, this.scale, () => {
+        pen.beginPath();
+        pen.arc(...this.at(uav), range * this.scale, 0, 2 * Math.PI);
+        pen.fillStyle = pen.strokeStyle = colour;
+        pen.globalAlpha = 0.08;
+        pen.fill();
+        pen.globalAlpha = 0.6;
+        pen.lineWidth = 1.2 * this.ratio;
+        pen.stroke();
+      });
     });
   }
 
+  /* Lines between those in radio contact, dashed where they are on different levels. */
   links() {
     const { pen } = this;
     for (const [width, colour] of [[4.5, this.inks.paper], [2, this.inks.link]]) {
       pen.strokeStyle = colour;
       pen.lineWidth = width * this.ratio;
       for (const [i, j] of this.flight.links[this.frame]) {
+        pen.setLineDash(this.level(i) === this.level(j) ? [] : [6 * this.ratio, 5 * this.ratio]);
         pen.beginPath();
         pen.moveTo(...this.at(i));
         pen.lineTo(...this.at(j));
         pen.stroke();
       }
     }
+    pen.setLineDash([]);
   }
 
   /* The home base as a landing pad: an H in a ring. */

@@ -79,22 +79,25 @@ class Panel {
   /* Whether all that counts is covered now although cells are unknown. */
   hasPockets() {
     const { flight, replay } = this, now = Math.min(replay.frame, flight.last), { counts } = replay.data;
-    return flight.covered[counts][now] === replay.episode.total && flight.maps[counts].at(now).some((frame) => frame > now);
+    return flight.covered[counts][now] === replay.episode.total && flight.maps[counts].at(now).some((frame, cell) =>
+      frame > now && !replay.grid.isBetween(Math.floor(cell / replay.episode.width)));
   }
 
   /* Coverage of the shown map at a frame, in cells. */
   coveredAt(frame) { return this.flight.covered[this.replay.mapOf(this.flight)][Math.min(frame, this.flight.last)]; }
 
   draw(frame, scale, ratio) {
-    const { episode, inks, layers, data } = this.replay, now = Math.min(frame, this.flight.last);
+    const { episode, grid, inks, layers, data } = this.replay, now = Math.min(frame, this.flight.last);
     const map = this.replay.mapOf(this.flight), pen = this.canvas.getContext("2d");
-    this.canvas.width = scale * episode.width;
-    this.canvas.height = scale * episode.height;
+    this.canvas.width = scale * grid.width;
+    this.canvas.height = scale * grid.height;
+    this.canvas.classList.toggle("levels", grid.levels > 1);
     this.canvas.style.width = `${Math.min(this.canvas.width / ratio, this.replay.most)}px`;
-    paintCells(this.sheet, episode, this.flight.maps[map].at(now), this.flight.wrong.at(now), now, layers, inks);
+    paintCells(this.sheet, episode, grid, this.flight.maps[map].at(now), this.flight.wrong.at(now), now, layers, inks);
     pen.imageSmoothingEnabled = false;
     pen.drawImage(this.sheet, 0, 0, this.canvas.width, this.canvas.height);
-    const marks = this.marks = new Marks(pen, this.flight, episode.base, now, scale, ratio, inks);
+    grid.outline(pen, scale, ratio, inks);
+    const marks = this.marks = new Marks(pen, this.flight, episode.base, now, scale, ratio, inks, grid);
     const { why } = this.replay, told = why.toldOn(this, now);
     if (layers.has("lidar")) marks.lidar(data.range);
     if (layers.has("trails")) marks.trails();

@@ -105,21 +105,23 @@ class Replay {
   frameOf(step) { return step >= this.lastStep ? this.last : Math.round(step / this.episode.stride); }
   mapOf(flight) { return this.map in flight.maps ? this.map : "team"; }
 
-  /* Choose the columns that show the cells largest without filling more than a screen; scales are whole numbers.
+  /* Choose the columns, of panels and of levels, that show the cells largest without filling more than a screen; scales
+     are whole numbers.
      A map that is wider than the page even at one pixel a cell is scrolled in its panel. On a narrow screen maps are
      as wide as their column, whatever their scale. */
   arrange() {
-    const ratio = window.devicePixelRatio || 1, { width, height } = this.episode, panels = this.panels.length;
+    const ratio = window.devicePixelRatio || 1, panels = this.panels.length;
     const room = this.room = this.controls.stage.clientWidth, gap = 18;
     const screen = Math.min(1000, Math.max(480, window.innerHeight - 250));
     const even = Array.from({ length: panels }, (_, k) => panels - k).filter((columns) => panels % columns === 0);
-    const options = even.map((columns) => {
+    const options = even.flatMap((columns) => LevelGrid.options(this.episode).map((grid) => {
       const rows = Math.ceil(panels / columns), tallest = screen / rows - 90;
       const wide = (room - gap * (columns - 1)) / columns - 2;
-      const widest = Math.floor(wide / width * ratio), highest = Math.floor(Math.max(tallest, 120) / height * ratio);
-      return { columns, scale: Math.min(widest, Math.max(1, highest)), wide, tallest: Math.max(tallest, 120) };
-    });
-    const best = options.reduce((one, other) => (other.scale > one.scale ? other : one));
+      const widest = Math.floor(wide / grid.width * ratio), highest = Math.floor(Math.max(tallest, 120) / grid.height * ratio);
+      return { columns, grid, scale: Math.min(widest, Math.max(1, highest)), wide, tallest: Math.max(tallest, 120) };
+    }));
+    const best = options.reduce((one, other) => (other.scale > one.scale ? other : one)), { width, height } = best.grid;
+    this.grid = best.grid;
     this.most = narrow() ? Math.min(best.wide, best.tallest * width / height) : Infinity;
     this.scale = narrow() ? Math.ceil(this.most / width * ratio) : Math.max(1, best.scale);
     const taken = Math.min(best.wide, Math.max(210, this.scale * width / ratio + 2));

@@ -115,8 +115,11 @@ class Why {
     return frame === 0 ? "It has not moved yet." : "It tells nothing at this step.";
   }
 
-  /* A cell as its row and column. */
-  cell(place) { return `(${Math.floor(place / this.replay.episode.width)}, ${place % this.replay.episode.width})`; }
+  /* A cell as its row and column, after its level where there are several. */
+  cell(place) {
+    const { grid, episode } = this.replay;
+    return grid.text(Math.floor(place / episode.width), place % episode.width);
+  }
 
   fill({ goal, names, candidates }) {
     const row = (tag, texts) => element("tr", {}, ...texts.map((text) => element(tag, { textContent: text })));
@@ -144,7 +147,7 @@ function markTold(marks, uav, { way, goal, candidates }, width) {
     pen.strokeStyle = ink;
     pen.lineWidth = line * ratio;
     pen.beginPath();
-    for (const cell of way) pen.lineTo(...centre(cell));
+    marks.line(way.map((cell) => [Math.floor(cell / width), cell % width]));
     pen.stroke();
   }
   const box = (cell, fill, edge, text) => {
