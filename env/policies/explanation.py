@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.grid.cells import MOVES
+from indoor_explorers.env.grid.levels import Levels
 from indoor_explorers.env.policies.view import View
 
 #: Most candidates of an explanation: the best ones.
@@ -51,18 +52,21 @@ class Explanation:
     """What else there is to say, such as who chose instead of the rule; empty for nothing."""
 
 
-def cell_text(cell: Sequence[int]) -> str:
-    """Return a cell as text: its row and column."""
-    return f"({cell[0]}, {cell[1]})"
+def cell_text(cell: Sequence[int], levels: Levels | None = None) -> str:
+    """Return a cell as text: its row and column, after its level on a map of several ``levels``."""
+    place = cell if levels is None or levels.number == 1 else levels.voxel((cell[0], cell[1]))
+    return f"({', '.join(map(str, place))})"
 
 
-def sentence(told: Explanation | None) -> str:
-    """Return what an explanation says of the goal, and its note."""
+def sentence(told: Explanation | None, levels: Levels | None = None) -> str:
+    """Return what an explanation says of the goal, and its note; ``levels`` are those of the map."""
     if told is None:
         return SILENT
     steps = len(told.path) - 1
     way = "" if steps < 1 else f", {steps} step{'s' * (steps > 1)} away"
-    goal = "no goal" if told.goal is None else f"flies to {cell_text(told.goal)}{way}, chosen at step {told.step}"
+    goal = "no goal"
+    if told.goal is not None:
+        goal = f"flies to {cell_text(told.goal, levels)}{way}, chosen at step {told.step}"
     return f"{goal}; {told.note}" if told.note else goal
 
 

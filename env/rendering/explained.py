@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
-from indoor_explorers.env.policies.explanation import Candidate, Explanation, cell_text, sentence
+from indoor_explorers.env.grid.levels import Levels
+from indoor_explorers.env.policies.explanation import Explanation, cell_text, sentence
 from indoor_explorers.env.rendering.layout import MARGIN
-from indoor_explorers.env.rendering.overlays import Cells, Chart, Colour
+from indoor_explorers.env.rendering.overlays import Cells, Chart, Colour, changes
 from indoor_explorers.env.rendering.palette import FAINT, INK, PAGE
 from indoor_explorers.env.rendering.primitives import Canvas, fitting, stroke, text_width, write
 from indoor_explorers.env.rendering.scene import Told
@@ -24,9 +23,11 @@ HEIGHT = LINE * (3 + SHOWN) + MARGIN
 def mark(chart: Chart, told: Explanation, colour: Colour) -> None:
     """Draw the way, the candidates by rank, and the goal, which is filled."""
     if len(told.path) > 1:
-        way = np.array(told.path)[:, ::-1] + 0.5
+        cells = np.array(told.path)
+        way, seen = chart.middles(cells), np.where(np.diff(chart.level_of(cells)), 0.0, 0.95)
         for width, ink in ((7.0, np.array(PAGE, np.uint8)), (3.5, colour)):
-            stroke(chart.inside, way * chart.cell, ink, width, 0.95)
+            stroke(chart.inside, way * chart.cell, ink, width, seen)
+        changes(chart, cells, colour)
     for rank, each in reversed(list(enumerate(told.candidates[:SHOWN], 1))):
         if each.cell != told.goal:
             _box(chart, np.array(each.cell), str(rank), PAGE, colour)
@@ -35,19 +36,19 @@ def mark(chart: Chart, told: Explanation, colour: Colour) -> None:
         _box(chart, np.array(told.goal), "".join(ranks), colour, PAGE)
 
 
-def with_words(picture: Canvas, told: Told, colour: Colour) -> Canvas:
-    """Return a picture (h, w, 3) with ``HEIGHT`` more rows that say what is told."""
+def with_words(picture: Canvas, told: Told, colour: Colour, levels: Levels) -> Canvas:
+    """Return a picture (h, w, 3) with ``HEIGHT`` more rows that say what is told on a map of some levels."""
     below = np.full((HEIGHT, picture.shape[1], 3), 255, np.uint8)
     room = picture.shape[1] - 2 * MARGIN
     stroke(below, [(MARGIN + 2, 4), (MARGIN + 2, HEIGHT - MARGIN)], colour, 4)
     why = told.explanation
-    said = "nothing is told of its last move" if why is None else sentence(why)
+    said = "nothing is told of its last move" if why is None else sentence(why, levels)
     lines = [f"UAV {told.agent}: {said}", f"among, by {why.score}:" if why and why.candidates else ""]
     for place, text in enumerate(lines):
         ink = FAINT if place else INK
         write(below, _start(place), fitting(text, SIZE + 1 - place, room - 12), SIZE + 1 - place, ink, anchor=0.0)
     if why is not None and why.candidates:
-        _table(below, why.candidates[:SHOWN], room, colour, why)
+        _table(below, why, room, colour, levels)
     return np.concatenate((picture, below))
 
 
@@ -55,13 +56,14 @@ def _start(line: int) -> tuple[float, float]:
     return MARGIN + 12.0, LINE * (line + 0.5)
 
 
-def _table(below: Canvas, candidates: Sequence[Candidate], room: int, colour: Colour, why: Explanation) -> None:
+def _table(below: Canvas, why: Explanation, room: int, colour: Colour, levels: Levels) -> None:
     """Write a column for rank, cell, score and each part, as far as there is room."""
+    candidates = why.candidates[:SHOWN]
     names = list(candidates[0].parts)
     rows = [["", "cell", "score", *names]]
     for rank, each in enumerate(candidates, 1):
         parts = (f"{each.parts.get(name, np.nan):.3g}" for name in names)
-        rows.append([str(rank), cell_text(each.cell), f"{each.score:.3g}", *parts])
+        rows.append([str(rank), cell_text(each.cell, levels), f"{each.score:.3g}", *parts])
     right = _start(0)[0]
     for column in zip(*rows, strict=True):
         right += max(text_width(text, SIZE) for text in column)

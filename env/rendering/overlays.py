@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from indoor_explorers.env.rendering.layout import Box
+from indoor_explorers.env.rendering.level_grid import LevelGrid
 from indoor_explorers.env.rendering.palette import INK, PAGE, STOP, ink_on
 from indoor_explorers.env.rendering.primitives import Canvas, disc, ring, stroke, text_width, write
 
@@ -31,6 +33,8 @@ class Chart:
     """Pixels of a cell."""
     least: float
     """Least radius of a UAV in pixels."""
+    grid: LevelGrid
+    """Where the cells are on the map's pixels."""
 
     @property
     def radius(self) -> float:
@@ -39,7 +43,29 @@ class Chart:
 
     def centre(self, cell: Cells) -> tuple[float, float]:
         """Return (x, y) of the middle of a cell on ``inside``."""
-        return (float(cell[1]) + 0.5) * self.cell, (float(cell[0]) + 0.5) * self.cell
+        row, col = self.grid.places(np.asarray(cell)).tolist()
+        return (col + 0.5) * self.cell, (row + 0.5) * self.cell
+
+    def middles(self, cells: Cells) -> NDArray[np.float64]:
+        """Return (x, y) of the middles of cells (..., 2) on ``inside``, in cells."""
+        return np.asarray(self.grid.places(cells)[..., ::-1] + 0.5)
+
+    def level_of(self, cells: Cells) -> Cells:
+        """Return the levels (...) of cells (..., 2)."""
+        return np.asarray(self.grid.levels.voxels(np.asarray(cells))[..., 0])
+
+    def tile(self, level: int) -> Box:
+        """Return the pixels of a level on ``inside``; all where there is one level."""
+        if self.grid.levels.number == 1:
+            return Box(0, 0, self.inside.shape[0], self.inside.shape[1])
+        (row, col), (_, height, width) = self.grid.corner(level), self.grid.levels
+        top, left = round(row * self.cell), round(col * self.cell)
+        return Box(top, left, round((row + height) * self.cell) - top, round((col + width) * self.cell) - left)
+
+    def on_level(self, cell: Cells) -> tuple[Canvas, tuple[float, float]]:
+        """Return the pixels of a cell's level, and (x, y) of the middle of the cell on them."""
+        (top, left, height, width), (x, y) = self.tile(int(self.level_of(cell))), self.centre(cell)
+        return self.inside[top : top + height, left : left + width], (x - left, y - top)
 
     def outer(self, cell: Cells) -> tuple[float, float]:
         """Return (x, y) of the middle of a cell on ``around``."""
@@ -86,7 +112,7 @@ def label(chart: Chart, cells: Cells, agent: int, text: str) -> None:
     height, width = chart.around.shape[:2]
     half, away = text_width(text, 12) / 2 + 6, chart.radius + 12
     x = min(max(x, half + 2), width - half - 2)
-    others = np.abs((np.delete(cells, agent, axis=0)[:, ::-1] + 0.5) * chart.cell + OVERHANG - (x, y + away))
+    others = np.abs(chart.middles(np.delete(cells, agent, axis=0)) * chart.cell + OVERHANG - (x, y + away))
     hidden = bool((others < (half + chart.radius, 8 + chart.radius)).all(axis=1).any())
     y += -away if (hidden and y > away + 10) or y + away > height - 10 else away
     stroke(chart.around, [(x - half + 8, y), (x + half - 8, y)], PAGE, 16, 0.92)
@@ -94,30 +120,57 @@ def label(chart: Chart, cells: Cells, agent: int, text: str) -> None:
 
 
 def trail(chart: Chart, cells: Cells, colour: Colour, lane: float) -> None:
-    """Draw a UAV's past (K, 2) cells, older ones thinner and fainter; ``lane`` shifts the line by a share of a cell."""
+    """Draw a UAV's past (K, 2) cells, older ones thinner and fainter; ``lane`` shifts the line by a share of a cell.
+
+    It is broken where the UAV left a level.
+    """
     moved = np.flatnonzero((cells[1:] != cells[:-1]).any(axis=1))
     if not len(moved):
         return
     places = np.concatenate((cells[moved], cells[moved[-1] + 1][None]))
     age = (len(cells) - 2 - moved) / max(len(cells) - 1, 40)
     width = min(max(0.16 * chart.cell, 2.0), 6.0) * (1 - 0.55 * age)
-    stroke(chart.inside, (places[:, ::-1] + 0.5 + lane) * chart.cell, colour, width, 0.08 + 0.82 * (1 - age) ** 1.5)
+    alpha = np.where(np.diff(chart.level_of(places)), 0.0, 0.08 + 0.82 * (1 - age) ** 1.5)
+    stroke(chart.inside, (chart.middles(places) + lane) * chart.cell, colour, width, alpha)
+    changes(chart, places, colour)
+
+
+def changes(chart: Chart, cells: Cells, colour: Colour) -> None:
+    """Mark where a way of cells (K, 2) leaves a level: by an angle that points up or down."""
+    rises, size = np.diff(chart.level_of(cells)), max(0.25 * chart.cell, 4.0)
+    for place in np.flatnonzero(rises).tolist():
+        (x, y), up = chart.centre(cells[place]), size * np.sign(rises[place])
+        angle = [(x - size, y + up / 2), (x, y - up / 2), (x + size, y + up / 2)]
+        for width, ink in ((4.5, np.array(PAGE, np.uint8)), (2.2, colour)):
+            stroke(chart.inside, angle, ink, width, 0.95)
 
 
 def links(chart: Chart, cells: Cells, linked: NDArray[np.bool_]) -> None:
-    """Draw a line between ``cells`` (M, 2) in radio contact, ``linked`` (M, M); many lines are fainter."""
+    """Draw a line between ``cells`` (M, 2) in radio contact, ``linked`` (M, M); many lines are fainter.
+
+    Those between levels are dashed.
+    """
     pairs = np.argwhere(np.triu(linked, 1))
     strength = 1.0 / max(1.0, len(pairs) / max(4.0 * len(cells), 24.0)) ** 0.5
     lines = [[chart.centre(cells[one]) for one in pair] for pair in pairs.tolist()]
+    apart = np.diff(chart.level_of(cells[pairs]), axis=1).any(axis=1)
     for line in lines:
         stroke(chart.inside, line, PAGE, 4.2, 0.75 * strength)
-    for line in lines:
-        stroke(chart.inside, line, INK, 1.7, 0.85 * strength)
+    for line, broken in zip(lines, apart.tolist(), strict=True):
+        parts = _dashed(*line) if broken else line
+        stroke(chart.inside, parts, INK, 1.7, np.where(np.arange(len(parts) - 1) % 2, 0.0, 0.85 * strength))
+
+
+def _dashed(start: tuple[float, float], end: tuple[float, float]) -> NDArray[np.float64]:
+    """Return the points between which a dashed line is drawn, and is not, in turn."""
+    count = max(int(np.hypot(end[0] - start[0], end[1] - start[1]) / 7), 1)
+    return np.linspace(start, end, count + 1)
 
 
 def lidar_reach(chart: Chart, cell: Cells, reach: float, colour: Colour) -> None:
     """Outline the range of a lidar, ``reach`` in cells."""
-    ring(chart.inside, chart.centre(cell), reach * chart.cell, colour, 1.4, 0.7)
+    canvas, place = chart.on_level(cell)
+    ring(canvas, place, reach * chart.cell, colour, 1.4, 0.7)
 
 
 def radio_reach(chart: Chart, cell: Cells, model: str, reach: float, colour: Colour) -> None:
@@ -133,7 +186,8 @@ def radio_reach(chart: Chart, cell: Cells, model: str, reach: float, colour: Col
     else:
         return
     dashes = np.where(np.arange(len(outline) - 1) % 2, 0.0, 0.6)
-    stroke(chart.inside, outline + chart.centre(cell), colour, 1.0, dashes)
+    canvas, place = chart.on_level(cell)
+    stroke(canvas, outline + place, colour, 1.0, dashes)
 
 
 def _number(canvas: Canvas, place: tuple[float, float], radius: float, colour: Colour, agent: int) -> None:

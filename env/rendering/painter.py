@@ -10,6 +10,7 @@ from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.rendering import overlays
 from indoor_explorers.env.rendering.explained import mark, with_words
 from indoor_explorers.env.rendering.layout import CAPTION, FOOTER, MARGIN, Box, FrameLayout, layout_of
+from indoor_explorers.env.rendering.level_grid import LevelGrid
 from indoor_explorers.env.rendering.overlays import OVERHANG, Chart
 from indoor_explorers.env.rendering.palette import (
     BAR,
@@ -53,7 +54,7 @@ def paint(scene: Scene) -> NDArray[np.uint8]:
 
     Its size depends on the size of the map and of the team, and on whether a UAV is explained.
     """
-    layout = layout_of(scene.shape, scene.team)
+    layout = layout_of(scene.grid.shape, scene.team)
     canvas = np.full((layout.height, layout.width, 3), 255, np.uint8)
     colours = _colours(scene)
     _caption(canvas, layout, scene)
@@ -65,7 +66,9 @@ def paint(scene: Scene) -> NDArray[np.uint8]:
         place = layout.main.left, layout.height - MARGIN - FOOTER / 2 + 4
         shown = f"own maps of UAVs 0 to {len(layout.panels) - 1}, +{layout.missing} more"
         write(canvas, place, shown, 13, FAINT, anchor=0.0)
-    return canvas if scene.told is None else with_words(canvas, scene.told, uav_colours(scene.team)[scene.told.agent])
+    if scene.told is None:
+        return canvas
+    return with_words(canvas, scene.told, uav_colours(scene.team)[scene.told.agent], scene.grid.levels)
 
 
 def paint_team_map(canvas: Canvas, box: Box, scene: Scene) -> None:
@@ -84,7 +87,8 @@ def nearest_links(scene: Scene) -> Mask:
 
     They connect the same UAVs by fewer lines (Toussaint's relative neighbourhood graph, 1980).
     """
-    away = ((scene.cells[:, None] - scene.cells) ** 2).sum(axis=2)
+    cells = scene.grid.levels.voxels(scene.cells)
+    away = ((cells[:, None] - cells) ** 2).sum(axis=2)
     away[~scene.linked] = np.iinfo(away.dtype).max
     kept = scene.linked.copy()
     for third in away:  # from one UAV to all
@@ -135,7 +139,7 @@ def _team_map(canvas: Canvas, box: Box, scene: Scene, colours: NDArray[np.uint8]
         ground[~known & (scene.truth == FREE) & (scene.prior == OCCUPIED)] = ONLY_PRIOR
         ground[~known & (scene.truth == OCCUPIED) & (scene.prior == FREE)] = ONLY_TRUTH
     _tint(ground, scene, uav_colours(scene.team))
-    chart = _lay(canvas, box, ground, 7.0 if scene.team > LABELLED else 9.0)
+    chart = _lay(canvas, box, ground, 7.0 if scene.team > LABELLED else 9.0, scene.grid)
     flying = scene.ends == End.FLYING
     if scene.team <= OUTLINED:
         for agent in np.flatnonzero(flying).tolist():
@@ -172,7 +176,7 @@ def _own_map(canvas: Canvas, box: Box, scene: Scene, agent: int, colour: NDArray
     ground = np.take(KNOWN, scene.beliefs[agent], axis=0)
     if scene.prior is not None:
         ground[(scene.beliefs[agent] == UNKNOWN) & (scene.prior == OCCUPIED)] = HIDDEN[OCCUPIED]
-    chart = _lay(canvas, box, ground, 7.0 if few else 6.0)
+    chart = _lay(canvas, box, ground, 7.0 if few else 6.0, scene.grid)
     if scene.base is not None:
         overlays.base(chart, np.array(scene.base))
     overlays.trail(chart, scene.trails[:, agent], colour, _lane(scene, agent))
@@ -188,7 +192,8 @@ def _title(canvas: Canvas, box: Box, scene: Scene, agent: int, colour: NDArray[n
     """Write a UAV's number, how it ended, and how many cells it knows above its map."""
     end = End(int(scene.ends[agent]))
     title = f"UAV {agent}"
-    known, most = (f"{count:,} cells" for count in (np.count_nonzero(scene.beliefs[agent]), scene.truth.size))
+    maps = (scene.grid.levels.volume(cells) for cells in (scene.beliefs[agent], scene.truth))
+    known, most = (f"{np.count_nonzero(cells):,} cells" for cells in maps)
     line, room = box.top - 10.0, box.width - 14
     if ended_early(scene)[agent]:
         long, short = f"{title}: {ENDS[end]}", f"{agent}: {ENDS[end]}"
@@ -203,19 +208,33 @@ def _lane(scene: Scene, agent: int) -> float:
     return 0.07 * (agent % 5 - 2) if scene.team > 1 else 0.0
 
 
-def _lay(canvas: Canvas, box: Box, ground: NDArray[np.uint8], least: float) -> Chart:
-    """Put (H, W, 3) cells into a box with a hairline around; ``least`` is the least radius of a UAV's disc."""
+def _lay(canvas: Canvas, box: Box, ground: NDArray[np.uint8], least: float, grid: LevelGrid) -> Chart:
+    """Put (H, W, 3) cells into a box with a hairline around each level.
+
+    ``least`` is the least radius of a UAV's disc.
+    """
     top, left, height, width = box
     inside = canvas[top : top + height, left : left + width]
-    resample(ground, inside)
-    size = width // ground.shape[1]
-    if size >= RULED:
-        for line in (inside[size::size], inside[:, size::size]):
-            line[:] = line - line // 14
-    canvas[[top - 1, top + height], left - 1 : left + width + 1] = HAIRLINE
-    canvas[top - 1 : top + height + 1, [left - 1, left + width]] = HAIRLINE
     around = canvas[top - OVERHANG : top + height + OVERHANG, left - OVERHANG : left + width + OVERHANG]
-    return Chart(inside, around, width / ground.shape[1], least)
+    resample(grid.laid_out(ground, 255), inside)
+    chart = Chart(inside, around, width / grid.shape[1], least, grid)
+    for level in range(grid.levels.number):
+        tile = chart.tile(level)
+        _rule(inside[tile.top : tile.top + tile.height, tile.left : tile.left + tile.width], width // grid.shape[1])
+        row, col = tile.top + OVERHANG - 1, tile.left + OVERHANG - 1
+        around[[row, row + tile.height + 1], col : col + tile.width + 2] = HAIRLINE
+        around[row : row + tile.height + 2, [col, col + tile.width + 1]] = HAIRLINE
+        size = min(13.0, 0.8 * grid.gap * chart.cell)
+        if size >= 7:
+            write(around, (col, row - grid.gap * chart.cell / 2), f"level {level}", size, FAINT, anchor=0.0)
+    return chart
+
+
+def _rule(cells: Canvas, size: int) -> None:
+    """Draw hairlines between cells of ``size`` pixels, where these are large."""
+    if size >= RULED:
+        for line in (cells[size::size], cells[:, size::size]):
+            line[:] = line - line // 14
 
 
 def _tint(ground: NDArray[np.uint8], scene: Scene, colours: NDArray[np.uint8]) -> None:

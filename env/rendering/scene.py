@@ -10,9 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Mask
-from indoor_explorers.env.grid.cells import MOVES, UNKNOWN
+from indoor_explorers.env.grid.cells import MOVES
+from indoor_explorers.env.grid.levels import Levels
 from indoor_explorers.env.policies.explanation import Explanation
-from indoor_explorers.env.sensing.lidar import scan
+from indoor_explorers.env.rendering.level_grid import LevelGrid
+from indoor_explorers.env.sensing.lidar import LidarModel, lidar_model, new_scan, visible_cells
 from indoor_explorers.env.simulation.custom_models import custom_scan
 from indoor_explorers.env.simulation.state import End
 from indoor_explorers.env.simulation.world import World
@@ -32,7 +34,10 @@ class Told(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Scene:
-    """The drawn state of an episode with N UAVs on a map of H x W cells; arrays may be live, copy them to keep them."""
+    """The drawn state of an episode with N UAVs on a map of H x W cells; arrays may be live, copy them to keep them.
+
+    Of several levels, H x W are those of their plane (:mod:`indoor_explorers.env.grid.levels`).
+    """
 
     truth: NDArray[np.uint8]
     """(H, W) the true map: 1 free, 2 occupied."""
@@ -74,11 +79,18 @@ class Scene:
     """Stands in the caption."""
     told: Told | None = None
     """Which UAV is explained, and what its pilot tells; None for none."""
+    level_count: int = 1
+    """Levels of the map."""
 
     @property
     def shape(self) -> tuple[int, int]:
         """(H, W) of the map in cells."""
         return (self.truth.shape[0], self.truth.shape[1])
+
+    @property
+    def grid(self) -> LevelGrid:
+        """Where the cells are in the picture."""
+        return LevelGrid.of(Levels.of(self.shape, self.level_count))
 
     @property
     def team(self) -> int:
@@ -118,6 +130,7 @@ def scene_of(world: World, episode: int, trails: Trails | None = None, title: st
     state, scenario = world.state, world.scenario
     heard_cell, heard_age = _heard(world, episode)
     base = state.base_cell[episode] if scenario.base.exists else None
+    levels = Levels.of(state.truth.shape[1:], scenario.map.level_count)
     return Scene(
         truth=state.truth[episode],
         union=state.union[episode],
@@ -137,9 +150,12 @@ def scene_of(world: World, episode: int, trails: Trails | None = None, title: st
         base_coverage=float(world.base_coverage[episode]),
         base_linked=None
         if base is None
-        else base_links(state.linked[episode], state.base_contact[episode], state.cell[episode], base),
+        else base_links(
+            state.linked[episode], state.base_contact[episode], levels.voxels(state.cell[episode]), levels.voxels(base)
+        ),
         prior=world.prior(episode),
         title=scenario.name if title is None else title,
+        level_count=levels.number,
     )
 
 
@@ -174,16 +190,25 @@ def base_links(linked: Mask, contact: Mask, cells: NDArray[np.int64], base: NDAr
 def _in_view(world: World, episode: int) -> Mask:
     truth = world.state.truth[episode]
     seen = np.zeros((world.scenario.team, *truth.shape), np.bool_)
+    levels = world.scenario.map.level_count
     for n in np.flatnonzero(world.state.end[episode] == End.FLYING).tolist():
         row, col = world.state.cell[episode, n].tolist()
         lidar = world.scenario.lidar
         if lidar.custom is not None:
             seen[n] = custom_scan(lidar.custom, truth, (row, col), lidar.range)
         else:
-            seen[n] = scan(truth, (row, col), lidar.range, lidar.model) != UNKNOWN
+            seen[n].flat[
+                _seen_from(truth, row, col, lidar_model(lidar.range, lidar.model, levels, lidar.elevation))
+            ] = True
         if (heading := world.view(episode, n).heading) is not None:
             seen[n] &= _is_ahead(truth.shape, (row, col), heading, lidar.field_of_view)
     return seen
+
+
+def _seen_from(truth: NDArray[np.uint8], row: int, col: int, lidar: LidarModel) -> NDArray[np.int64]:
+    """Return the flat indices of the cells that a lidar in a cell sees."""
+    work = new_scan(lidar)
+    return work.cells[: visible_cells(truth, row, col, lidar, work)]
 
 
 def _is_ahead(shape: tuple[int, ...], cell: tuple[int, int], heading: int, degrees: float) -> Mask:

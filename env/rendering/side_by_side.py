@@ -38,7 +38,7 @@ class SideBySide(NamedTuple):
 def paint_side_by_side(flights: Sequence[SideBySide], longest: int) -> NDArray[np.uint8]:
     """Return a picture (h, w, 3) uint8 of flights over maps of one size; the charts end at step ``longest``."""
     flights = [flight._replace(scene=_cropped(flight.scene)) for flight in flights]
-    tall, wide = flights[0].scene.shape
+    tall, wide = flights[0].scene.grid.shape
     cell = cell_size(SIDE / max(tall, wide))
     height, width = max(1, round(tall * cell)), max(1, round(wide * cell))
     columns = _columns(len(flights), height, width)
@@ -55,7 +55,9 @@ def paint_side_by_side(flights: Sequence[SideBySide], longest: int) -> NDArray[n
 
 
 def _cropped(scene: Scene) -> Scene:
-    """Return a scene without the solid cells around its free cells."""
+    """Return a scene without the solid cells around its free cells; one of several levels as it is."""
+    if scene.level_count > 1:
+        return scene
     rows, cols = extent(scene.truth == FREE)
     top, left = max(0, rows.start - 1), max(0, cols.start - 1)
     window = np.s_[..., top : rows.stop + 1, left : cols.stop + 1]

@@ -8,6 +8,7 @@ from rich.console import Console
 from rich.table import Table
 
 from indoor_explorers.env import Explanation, InputError
+from indoor_explorers.env.grid.levels import Levels
 from indoor_explorers.env.policies.explanation import cell_text, sentence
 from indoor_explorers.evaluation.harness.episodes.flight import Flight
 from indoor_explorers.evaluation.harness.experiment.experiment import Experiment
@@ -35,25 +36,27 @@ def explained(experiment: Experiment, step: int) -> Flight:
 
 def print_explanations(flight: Flight, agents: Sequence[int], console: Console) -> None:
     """Print why each of some UAVs made its last move."""
+    levels = flight.world.floorplan(0).levels
     for agent in agents:
         told = flight.pilots[agent].explain()
-        cell = cell_text(flight.world.state.believed_cell[0, agent].tolist())
-        console.print(f"UAV {agent}, step {flight.step}, in {cell}: {sentence(told)}", highlight=False, soft_wrap=True)
+        cell, said = cell_text(flight.world.state.believed_cell[0, agent].tolist(), levels), sentence(told, levels)
+        console.print(f"UAV {agent}, step {flight.step}, in {cell}: {said}", highlight=False, soft_wrap=True)
         if told is not None and told.candidates:
             console.print(f"  among {len(told.candidates)}, by {told.score}:", highlight=False, soft_wrap=True)
-            console.print(candidates_table(told))
+            console.print(candidates_table(told, levels))
         if told is not None and told.mates:
-            others = ", ".join(f"UAV {mate} to {cell_text(goal)}" for mate, goal in sorted(told.mates.items()))
+            others = ", ".join(f"UAV {mate} to {cell_text(goal, levels)}" for mate, goal in sorted(told.mates.items()))
             console.print(f"  it supposes: {others}", highlight=False, soft_wrap=True)
 
 
-def candidates_table(told: Explanation) -> Table:
-    """Return the candidates of an explanation, the best first, the chosen one marked."""
+def candidates_table(told: Explanation, levels: Levels | None = None) -> Table:
+    """Return the candidates of an explanation on a map of some levels, the best first, the chosen one marked."""
     names = list(told.candidates[0].parts)
     table = Table("", "cell", "score", *names, box=None, header_style="bold", pad_edge=False)
     for column in table.columns[2:]:
         column.justify = "right"
     for each in told.candidates:
         mark = ">" if each.cell == told.goal else ""
-        table.add_row(mark, cell_text(each.cell), f"{each.score:.3g}", *(f"{each.parts[name]:.3g}" for name in names))
+        parts = (f"{each.parts[name]:.3g}" for name in names)
+        table.add_row(mark, cell_text(each.cell, levels), f"{each.score:.3g}", *parts)
     return table

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from indoor_explorers.env import InputError
-from indoor_explorers.env.grid.arrays import Cell, Mask
+from indoor_explorers.env.grid.arrays import Belief, Cell, Mask
 from indoor_explorers.env.grid.cells import FREE
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.maps.kinds import Kind, PlanStatistics, has_scale
@@ -25,6 +25,8 @@ from indoor_explorers.env.maps.room_graph import (
     passage_of,
     room_graph,
 )
+from indoor_explorers.env.policies.explanation import cell_text
+from indoor_explorers.env.rendering.level_grid import LevelGrid
 from indoor_explorers.evaluation.drawing.formatting import counted
 
 #: The mark of the start in a picture.
@@ -46,9 +48,9 @@ def facts(floorplan: Floorplan) -> str:
     if floorplan.resolution:
         scale = f"{floorplan.resolution:g} m a cell"
         area += f" ({free * floorplan.resolution**2:,.1f} m2)"
-    start = "" if floorplan.start is None else f"; start at {floorplan.start}"
+    start = "" if floorplan.start is None else f"; start at {cell_text(floorplan.start, floorplan.levels)}"
     return (
-        f"{floorplan.name}: {floorplan.shape[0]} x {floorplan.shape[1]} cells, {scale}, {area}, "
+        f"{floorplan.name}: {' x '.join(map(str, floorplan.levels.size))} cells, {scale}, {area}, "
         f"{min(floorplan.connected, floorplan.main_part.sum() / free):.1%} of the source's free area connected, "
         f"{floorplan.kept:.1%} kept{start}"
     )
@@ -109,30 +111,47 @@ def picture(floorplan: Floorplan, width: int) -> str:
     """Return a map as text of at most ``width`` characters a line, walls drawn and the floor left blank.
 
     A map that is narrow enough is drawn in half blocks, one cell wide and two high; a wider one in braille dots, two
-    cells wide and four high. One that is wider still is reduced first, so that doors stay open where they can.
+    cells wide and four high. One that is wider still is reduced first, so that doors stay open where they can. Several
+    levels are drawn beside each other, each below its name.
     """
-    free, start = floorplan.truth == FREE, floorplan.start
+    levels, blocks = floorplan.levels, []
+    if levels.number == 1:
+        return _drawn(floorplan.truth, floorplan.name, floorplan.start, width)
+    room = max(levels.width, len(f"level {levels.number}"))
+    columns = min(LevelGrid.of(levels).columns, max(1, (width + 1) // (room + 1)))
+    start = None if floorplan.start is None else levels.voxel(floorplan.start)
+    for level, cells in enumerate(levels.volume(floorplan.truth)):
+        here = None if start is None or start[0] != level else start[1:]
+        drawn = _drawn(np.ascontiguousarray(cells), floorplan.name, here, width)
+        blocks.append([f"level {level}", *drawn.split("\n")])
+    rows = [zip(*blocks[first : first + columns], strict=True) for first in range(0, levels.number, columns)]
+    return "\n".join(" ".join(part.ljust(room) for part in line).rstrip(" ") for row in rows for line in row)
+
+
+def _drawn(cells: Belief, name: str, start: Cell | None, width: int) -> str:
+    """Return the cells of a map, or of one level, as text."""
+    free = cells == FREE
     if free.shape[1] <= width:
         return _text(_half_blocks(~free), start, (2, 1))
     scale = math.ceil(free.shape[1] / max(2 * width, 2))
     if scale > 1:
-        free = _coarse(floorplan, scale)
+        free = _coarse(cells, name, scale)
         start = settled(start, free, scale)
     return _text(_braille(~free), start, (4, 2))
 
 
-def _coarse(floorplan: Floorplan, scale: int) -> Mask:
+def _coarse(cells: Belief, name: str, scale: int) -> Mask:
     """Return the free cells of a map reduced ``scale`` times; if too few stay free, the half-free blocks."""
-    source = Source(name=floorplan.name, where=floorplan.name, cells=floorplan.truth, resolution=1.0)
+    source = Source(name=name, where=name, cells=cells, resolution=1.0)
     try:
         coarse = reduced(source, float(scale))
     except InputError:  # corridors narrower than half a character's dot
         coarse = None
     if coarse is not None and coarse.kept >= 0.5:
         return np.asarray(coarse.truth == FREE)
-    rows, cols = (math.ceil(side / scale) for side in floorplan.shape)
+    rows, cols = (math.ceil(side / scale) for side in cells.shape)
     padded = np.zeros((rows * scale, cols * scale), np.bool_)
-    padded[: floorplan.shape[0], : floorplan.shape[1]] = floorplan.truth == FREE
+    padded[: cells.shape[0], : cells.shape[1]] = cells == FREE
     shares = padded.reshape(rows, scale, cols, scale).mean(axis=(1, 3))
     return np.asarray(shares >= min(0.5, float(np.median(shares))))
 

@@ -96,6 +96,10 @@ def _save(floorplans: Sequence[Floorplan], path: Path) -> None:
 
     if len(floorplans) != 1 or path.suffix != ".png":
         raise InputError(f"expected one map and a .png with --save, got {len(floorplans)} maps and {path}")
+    if floorplans[0].level_count > 1:
+        raise InputError(
+            f"expected a map of one level with --save, got {floorplans[0].level_count}; a .npy holds several"
+        )
     with writable(path, "--save"), written_whole(path) as partial:
         write_picture(floorplans[0], partial)
 

@@ -1,5 +1,7 @@
 """The explain command, and what pilots tell of their choices."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -147,3 +149,12 @@ def test_bad_words_are_told_in_one_line(words, said, capsys):
 
 def test_explanations_are_values():
     assert Explanation(step=1, goal=None) == Explanation(step=1, goal=None)
+
+
+def test_cells_of_levels_are_level_row_and_column(capsys):
+    flags = ["--policy", "frontier-nearest", "--scenario", "small-storeys", "--step", "20"]
+    assert main(["explain", *flags]) == 0
+    shown = capsys.readouterr().out
+    assert re.search(r"UAV 1, step 20, in \(\d, \d+, \d+\): flies to \(\d, \d+, \d+\), ", shown)
+    assert re.search(r"\n> +\(\d, \d+, \d+\) ", shown)
+    assert not re.search(r"\(\d+, \d+\)", shown)

@@ -52,7 +52,7 @@ def test_every_picture_fits_and_shows_the_start(height, width, columns, seed):
 
 def test_doors_of_large_maps_stay_open():
     office = OfficesMaps(height=200, width=700, door=(3, 4)).floorplan(0, 0)
-    coarse = _coarse(office, 3)
+    coarse = _coarse(office.truth, office.name, 3)
     assert coarse.shape == (67, 234)
     assert len(connected_parts(coarse)[1]) == 2
     assert coarse.sum() * 9 > 0.5 * (office.truth == FREE).sum()
@@ -207,3 +207,26 @@ def test_the_maps_of_a_suite_are_told_without_pictures(capsys):
     status, out, _ = run(capsys, "maps", "--suite", "rooms", "--part", "validation")
     lines = out.splitlines()
     assert (status, lines[-1], len(lines)) == (0, "thesis: 100 hall", 3 * 100 + 1)
+
+
+def test_levels_are_drawn_beside_each_other_below_their_names(tmp_path):
+    free = np.array([[[1, 1, 1], [1, 0, 1]], [[0, 0, 0], [0, 1, 0]], [[1, 1, 1], [1, 1, 1]]], bool)
+    tall = Floorplan.from_free(free, "tall", start=(3 + 1, 1))
+    assert picture(tall, 80) == "level 0 level 1\n ▄      █S█\nlevel 2\n"
+    assert picture(tall, 14) == "level 0\n ▄\nlevel 1\n█S█\nlevel 2\n"
+    assert facts(tall).startswith("tall: 3 x 2 x 3 cells, ")
+    assert "start at (1, 1, 1)" in facts(tall)
+
+
+def test_the_command_shows_levels_of_arrays_and_saves_none_as_a_picture(tmp_path, capsys):
+    array = np.ones((3, 12, 16), np.uint8)
+    array[:, 2:-2, 2:-2] = 0
+    np.save(tmp_path / "tall.npy", array)
+    status, shown, _ = run(capsys, "maps", tmp_path / "tall.npy")
+    assert status == 0
+    assert "tall: 3 x 12 x 16 cells" in shown
+    assert "level 0" in shown
+    assert "level 2" in shown
+    status, _, said = run(capsys, "maps", tmp_path / "tall.npy", "--save", tmp_path / "tall.png")
+    assert status == 2
+    assert "expected a map of one level with --save, got 3" in said
