@@ -46,7 +46,7 @@ class LevelGrid(NamedTuple):
     def places(self, cells: NDArray[Any]) -> NDArray[Any]:
         """Return where cells (..., 2) of the plane are in the picture, (..., 2)."""
         voxels = self.levels.voxels(cells)
-        return voxels[..., 1:] + np.stack(self.corner(voxels[..., 0]), axis=-1)
+        return np.asarray(voxels[..., 1:] + np.stack(self.corner(voxels[..., 0]), axis=-1))
 
     def laid_out(self, plane: NDArray[Any], between: Any) -> NDArray[Any]:
         """Return the picture (h, w, ...) of a plane (P, W, ...), with ``between`` around the levels."""

@@ -153,7 +153,7 @@ def links(chart: Chart, cells: Cells, linked: NDArray[np.bool_]) -> None:
     pairs = np.argwhere(np.triu(linked, 1))
     strength = 1.0 / max(1.0, len(pairs) / max(4.0 * len(cells), 24.0)) ** 0.5
     lines = [[chart.centre(cells[one]) for one in pair] for pair in pairs.tolist()]
-    apart = np.diff(chart.level_of(cells[pairs]), axis=1).any(axis=1)
+    apart = np.diff(chart.level_of(cells[pairs]), axis=1)[:, 0] != 0
     for line in lines:
         stroke(chart.inside, line, PAGE, 4.2, 0.75 * strength)
     for line, broken in zip(lines, apart.tolist(), strict=True):

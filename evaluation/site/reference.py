@@ -42,7 +42,8 @@ EXPORT_NOTES = """
     {columns}.
     `x` and `y` are metres from the lower left corner; `flew` is 0 once a UAV has ended; `action` led to the step and is
     empty at the start; `discovered` and `received` count the cells that were new to the UAV, by its lidar and by radio;
-    `linked` are the UAVs in direct radio contact. `meta.json` has the task, its settings, the outcome, the metrics and
+    `linked` are the UAVs in direct radio contact. Maps of several levels have columns `level` and `z` too, and `row` is
+    then that on the level. `meta.json` has the task, its settings, the outcome, the metrics and
     the seconds of a step.
     """
 #: How the bounds of a setting are written.

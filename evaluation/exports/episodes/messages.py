@@ -15,10 +15,11 @@ from numpy.typing import NDArray
 from rosbags.typesys import Stores, get_typestore
 
 from indoor_explorers.env.grid.arrays import Belief
-from indoor_explorers.env.interfaces import GridFrame
+from indoor_explorers.env.grid.cells import OCCUPIED
 from indoor_explorers.env.interfaces.ros import ADD, CUBE, DELETE, DELETE_ALL, LINE_LIST, LINE_STRIP, SPHERE, TEXT
 from indoor_explorers.env.policies.explanation import Candidate, Explanation, sentence
 from indoor_explorers.env.rendering.palette import INK
+from indoor_explorers.evaluation.exports.episodes.moments import MapFrame
 
 STORE = get_typestore(Stores.ROS2_HUMBLE)
 #: The frame of the maps.
@@ -36,8 +37,23 @@ def uav_frame(uav: int) -> str:
 class Messages:
     """Make the messages of one moment, ``stamp`` nanoseconds after time 0."""
 
-    def __init__(self, frame: GridFrame, stamp: int) -> None:
+    def __init__(self, frame: MapFrame, stamp: int) -> None:
         self.frame, self.stamp = frame, stamp
+
+    def map(self, belief: Belief) -> Any:
+        """Return a :meth:`grid`, or a :meth:`cloud` of a map of several levels."""
+        return self.grid(belief) if self.frame.levels.number == 1 else self.cloud(belief)
+
+    def cloud(self, belief: Belief) -> Any:
+        """Return a ``sensor_msgs/PointCloud2`` of the centres of the obstacles on all levels."""
+        cells = np.argwhere((belief == OCCUPIED) & ~self.frame.levels.between)
+        points = self.frame.places(cells).astype("<f4")
+        field, single = "sensor_msgs/msg/PointField", 7  # FLOAT32
+        fields = [_new(field, name, 4 * place, single, 1) for place, name in enumerate("xyz")]
+        return _new(
+            *("sensor_msgs/msg/PointCloud2", self._header(), 1, len(points), fields, False, 12, 12 * len(points)),
+            *(np.frombuffer(points.tobytes(), np.uint8), True),
+        )
 
     def grid(self, belief: Belief) -> Any:
         """Return a ``nav_msgs/OccupancyGrid``."""
@@ -70,7 +86,7 @@ class Messages:
         No points delete the marker, which must not be empty.
         """
         size = self.frame.resolution * (0.12 if kind == LINE_LIST else 0.9)
-        action, points = ADD if len(cells) else DELETE, [self._centre(cell) for cell in cells.tolist()]
+        action, points = ADD if len(cells) else DELETE, [_point(*place) for place in self.frame.places(cells).tolist()]
         marker = self.marker(name, 0, kind, action, _point(0.0, 0.0), (size, size, 0.1 * size), colour, 0.7, points)
         return _new("visualization_msgs/msg/MarkerArray", [marker])
 
@@ -90,7 +106,7 @@ class Messages:
                 flat = (0.9 * size, 0.9 * size, 0.1 * size)
                 made.append(self.marker("goal", 0, CUBE, ADD, self._centre(told.goal), flat, colour, 0.6))
                 place = self._centre(told.goal, 1.2 * size)
-                made.append(self._text("goal text", 0, place, sentence(told)))
+                made.append(self._text("goal text", 0, place, sentence(told, self.frame.levels)))
             made += self._candidates(told.candidates)
         return _new("visualization_msgs/msg/MarkerArray", made)
 
@@ -137,7 +153,7 @@ class Messages:
         """Return a ``tf2_msgs/TFMessage`` with the frame of each UAV in ``cells``."""
         transforms = []
         for uav, cell in cells.items():
-            place = _new("geometry_msgs/msg/Vector3", *self.frame.point((cell[0], cell[1])), 0.0)
+            place = _new("geometry_msgs/msg/Vector3", *self.frame.place(cell))
             moved = _new("geometry_msgs/msg/Transform", place, _upright())
             transforms.append(
                 _new("geometry_msgs/msg/TransformStamped", self._header(), uav_frame(uav), moved),
@@ -149,7 +165,8 @@ class Messages:
         return _new("std_msgs/msg/Float64", value)
 
     def _centre(self, cell: Sequence[int], height: float = 0.0) -> Any:
-        return _point(*self.frame.point((cell[0], cell[1])), height)
+        x, y, z = self.frame.place(cell)
+        return _point(x, y, z + height)
 
     def _header(self, frame: str = MAP) -> Any:
         return _new("std_msgs/msg/Header", self._time(), frame)

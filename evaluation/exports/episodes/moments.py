@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env import Scenario
 from indoor_explorers.env.errors import RunError
 from indoor_explorers.env.grid.arrays import Belief
+from indoor_explorers.env.grid.levels import Levels
 from indoor_explorers.env.interfaces import GridFrame
 from indoor_explorers.evaluation.harness.episodes.record import Record
 from indoor_explorers.evaluation.harness.episodes.resimulate import ended_as_recorded, resimulate
@@ -67,9 +69,31 @@ def moments(record: Record, scenario: Scenario) -> Iterator[Moment]:
         )
 
 
-def frame_of(record: Record) -> GridFrame:
+@dataclass(frozen=True, kw_only=True)
+class MapFrame(GridFrame):
+    """The position of the cells of some levels, each of the frame's shape, in the ROS frame ``map``."""
+
+    levels: Levels
+
+    def places(self, cells: NDArray[np.integer]) -> NDArray[np.float64]:
+        """Return (x, y, z) (..., 3) in metres of the centres of cells (..., 2) of the plane.
+
+        z is 0 where there is one level.
+        """
+        level, row, col = np.moveaxis(self.levels.voxels(cells) + 0.5, -1, 0)
+        x, y = self.origin[0] + col * self.resolution, self.origin[1] + (self.shape[0] - row) * self.resolution
+        return np.stack((x, y, level * self.resolution * (self.levels.number > 1)), axis=-1)
+
+    def place(self, cell: Sequence[int]) -> tuple[float, float, float]:
+        """Return the same of one cell."""
+        x, y, z = self.places(np.asarray(cell)).tolist()
+        return x, y, z
+
+
+def frame_of(record: Record) -> MapFrame:
     """Return where the cells of an episode's map lie in metres; a cell is one metre where the map does not say."""
-    return GridFrame(shape=record.floorplan.shape, resolution=record.floorplan.resolution or 1.0)
+    plan, levels = record.floorplan, record.floorplan.levels
+    return MapFrame(shape=(levels.height, levels.width), resolution=plan.resolution or 1.0, levels=levels)
 
 
 def facts_of(record: Record, step_seconds: float) -> dict[str, Any]:
@@ -84,6 +108,7 @@ def facts_of(record: Record, step_seconds: float) -> dict[str, Any]:
         "team": record.team,
         "rows": frame.shape[0],
         "columns": frame.shape[1],
+        **({"levels": frame.levels.number} if frame.levels.number > 1 else {}),
         "resolution": frame.resolution,
         "reachable": record.reachable,
         "budget": record.budget,

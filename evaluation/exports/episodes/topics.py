@@ -123,11 +123,11 @@ class _Topics:
         messages = self._messages = Messages(self._frame, self._stamp)
         flying = np.flatnonzero(moment.flew).tolist()
         if moment.step == 0:
-            self._keep("/true_map", messages.grid(self._record.floorplan.truth))
+            self._keep("/true_map", messages.map(self._record.floorplan.truth))
         self._put("/tf", messages.frames({uav: moment.believed[uav].tolist() for uav in flying}))
         self._put("/coverage", messages.number(moment.coverage))
         if self._bag.is_new("/map", moment.team):
-            self._keep("/map", messages.grid(moment.team))
+            self._keep("/map", messages.map(moment.team))
         ends = moment.cells[np.argwhere(np.triu(moment.linked))].reshape(-1, 2)
         if self._bag.is_new("/links", ends):
             self._keep("/links", messages.markers("links", LINE_LIST, ends, np.array(INK, np.uint8)))
@@ -154,8 +154,9 @@ class _Topics:
         ranges = self._scanned((row, col))
         self._put(f"{name}/scan", messages.scan(uav, ranges, self._lidar_range, self._step_seconds))
         if self._bag.is_new(f"{name}/map", belief):
-            self._keep(f"{name}/map", messages.grid(belief))
-            cells, colour = np.argwhere(frontier_mask(belief)), uav_colours(self._record.team)[uav]
+            self._keep(f"{name}/map", messages.map(belief))
+            cells = np.argwhere(frontier_mask(belief, self._frame.levels.rise))
+            colour = uav_colours(self._record.team)[uav]
             self._keep(f"{name}/frontiers", messages.markers("frontiers", CUBE_LIST, cells, colour))
 
     def _write_path(self, moment: Moment, uav: int) -> None:
@@ -167,9 +168,11 @@ class _Topics:
             self._keep(name, self._messages.path(self._poses[uav]))
 
     def _scanned(self, cell: Cell) -> NDArray[np.float64]:
-        """Return (RAYS,) ranges in cells that a lidar in a cell measures."""
+        """Return (RAYS,) ranges in cells that a lidar in a cell measures on its level."""
         if cell not in self._ranges:
-            self._ranges[cell] = first_hits(self._record.floorplan.truth, cell, self._lidar_range, RAYS)
+            level, *place = self._frame.levels.voxels(np.array(cell)).tolist()
+            truth = np.ascontiguousarray(self._frame.levels.volume(self._record.floorplan.truth)[level])
+            self._ranges[cell] = first_hits(truth, (place[0], place[1]), self._lidar_range, RAYS)
         return self._ranges[cell]
 
     def _put(self, topic: str, message: Any) -> None:
