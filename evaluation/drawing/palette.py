@@ -30,7 +30,7 @@ SHIPPED = {
     0: ("frontier", "frontier-joint", "rrt-nbv", "frontier-hungarian", "sgba"),
     1: ("frontier-nearest", "frontier-burgard", "hedac", "frontier-mrtsp", "cover-tour"),
     2: ("dddqn", "dddqn-places", "pomdp", "prior-tour", "return-to-base"),
-    3: ("pso", "frontier-advantage", "pso-robots", "prm-tour", "rrt-predictive"),
+    3: ("pso", "frontier-advantage", "pso-robots", "prm-tour", "rrt-predictive", "level-by-level"),
     4: ("rrt", "rrt-aep", "aco", "frontier-tour", "dddqn-thesis", "attention-sac"),
     5: ("frontier-predictive", "horizon", "frontier-minpos", "gso", "pso-predictive"),
     7: ("frontier-latency", "tours", "frontier-utility", "bat", "rrt-frontier", "loop-closing"),
