@@ -83,7 +83,7 @@ def test_levels_lie_beside_each_other_and_show_what_the_team_knows(browser, tall
     with opened(browser, tall + colours, viewport={"width": width, "height": 844}) as visit:
         page, levels = visit.page, record.floorplan.levels
         data = page.evaluate("document.querySelector('#replay-s1 canvas.map').toDataURL().split(',')[1]")
-        picture = np.asarray(Image.open(io.BytesIO(base64.b64decode(data))).convert("RGB")).astype(int)
+        picture = np.asarray(Image.open(io.BytesIO(base64.b64decode(data))).convert("RGBA")).astype(int)
         inks = {
             name: page.evaluate(
                 "names => names.map((name) => getComputedStyle(document.body).getPropertyValue(name).trim())",
@@ -109,9 +109,12 @@ def test_levels_lie_beside_each_other_and_show_what_the_team_knows(browser, tall
         kind = "unknown" if union[tuple(cell)] == UNKNOWN else "frontier" if frontier[tuple(cell)] else "wall"
         kind = "free" if kind == "wall" and union[tuple(cell)] == FREE else kind
         row, col = place * scale + scale // 2
-        assert tuple(picture[row, col]) in rgb[kind], (tuple(cell), kind)
+        assert tuple(picture[row, col, :3]) in rgb[kind], (tuple(cell), kind)
+    for row, col in map(grid.corner, range(levels.number - grid.columns)):
+        below = picture[(row + 24) * scale + scale // 2, (col + 16) * scale : (col + 24) * scale]
+        assert not below.any()  # nothing, where the data have a row of obstacles
     for row, col in uavs * scale + scale // 2:
-        around = picture[row - 5 : row + 6, col - 5 : col + 6].reshape(-1, 3)
+        around = picture[row - 5 : row + 6, col - 5 : col + 6, :3].reshape(-1, 3)
         assert len({tuple(shade) for shade in around} - {ink for found in rgb.values() for ink in found}) > 3
 
 
