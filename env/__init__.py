@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from indoor_explorers.env.conformance import Finding, check_policy, run_checks
     from indoor_explorers.env.errors import InputError, PolicyError
     from indoor_explorers.env.grid.cells import FREE, OCCUPIED, TURN, UNKNOWN, Action
+    from indoor_explorers.env.grid.levels import ASCEND, DESCEND, Levels
     from indoor_explorers.env.interfaces.pettingzoo import env, parallel_env
     from indoor_explorers.env.maps.base import GeneratedMaps, MapReader
     from indoor_explorers.env.observations.incremental import LivePlanes
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
     from indoor_explorers.env.simulation.world import World
 
 __all__ = [
+    "ASCEND",
+    "DESCEND",
     "FREE",
     "OCCUPIED",
     "PRESETS",
@@ -40,6 +43,7 @@ __all__ = [
     "Finding",
     "GeneratedMaps",
     "InputError",
+    "Levels",
     "LivePlanes",
     "MapReader",
     "Mate",
@@ -65,6 +69,7 @@ _MODULES = {
     "conformance": ("Finding", "check_policy", "run_checks"),
     "errors": ("InputError", "PolicyError"),
     "grid.cells": ("FREE", "OCCUPIED", "TURN", "UNKNOWN", "Action"),
+    "grid.levels": ("ASCEND", "DESCEND", "Levels"),
     "interfaces.pettingzoo": ("env", "parallel_env"),
     "maps.base": ("GeneratedMaps", "MapReader"),
     "observations.incremental": ("LivePlanes",),

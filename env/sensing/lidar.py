@@ -19,7 +19,8 @@ from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.grid.compiled import inner, kernel, leaf
 from indoor_explorers.env.sensing.marsexplorer import SAMPLES, directions, trace
 from indoor_explorers.env.sensing.shadowcasting import Quadrant, scan_quadrant
-from indoor_explorers.env.sensing.volume import VolumeTables, scan_volume, volume_tables
+from indoor_explorers.env.sensing.volume import scan_volume
+from indoor_explorers.env.sensing.volume_tables import VolumeTables, volume_tables
 
 
 class LidarModel(NamedTuple):

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import allocated
+from indoor_explorers.env.grid.levels import Levels
 from indoor_explorers.env.policies.view import MESSAGE_LIMIT, Mate
 from indoor_explorers.env.scenarios.codes import RadioModel, StuckRule
 from indoor_explorers.env.scenarios.scenario import LEAST_BUDGET, Scenario
@@ -242,24 +243,15 @@ class State(NamedTuple):
     """Step of the last such contact, -1 for never."""
 
 
-def empty_state(
-    batch: int,
-    team: int,
-    shape: tuple[int, int],
-    window: int,
-    *,
-    base: bool = False,
-    uncertain: bool = False,
-    moves: int = 5,
-) -> State:
-    """Allocate the state of ``batch`` episodes; ``base``: with a home base, ``uncertain``: poses may be wrong.
-
-    ``moves`` is that of the maps' levels.
-    """
-    sizes = dict(zip(("H", "W", "base_H", "base_W"), (*shape, *(shape if base else (0, 0))), strict=True))
+def empty_state(scenario: Scenario, batch: int, shape: tuple[int, int]) -> State:
+    """Allocate the state of ``batch`` episodes of a scenario on (H, W) maps."""
+    window = scenario.stuck.window if scenario.stuck.rule == "oscillation" else 1
+    base_shape = shape if scenario.base.exists else (0, 0)
+    sizes = dict(zip(("H", "W", "base_H", "base_W"), (*shape, *base_shape), strict=True))
     sizes |= {"cells": sizes["H"] * sizes["W"], "base_cells": sizes["base_H"] * sizes["base_W"]}
-    state = allocated(State, B=batch, N=team, window=window, message=MESSAGE_LIMIT, moves=moves, **sizes)
-    return state if uncertain else state._replace(believed_cell=state.cell)
+    sizes |= {"moves": Levels.of(shape, scenario.map.level_count).moves, "message": MESSAGE_LIMIT}
+    state = allocated(State, B=batch, N=scenario.team, window=window, **sizes)
+    return state if scenario.uncertain else state._replace(believed_cell=state.cell)
 
 
 def received_mates(state: State, b: int, agent: int) -> tuple[Mate, ...]:

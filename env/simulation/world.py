@@ -10,7 +10,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Belief, Cell, Mask, copied, read_only
-from indoor_explorers.env.grid.levels import Levels
 from indoor_explorers.env.grid.randomness import Stream, generator
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.policies.policy import checked_action, integers
@@ -163,13 +162,8 @@ class World:
         return None if self._state is None else self._state.truth.shape[1:]
 
     def _allocate(self, shape: tuple[int, int]) -> None:
-        window = self.scenario.stuck.window if self.scenario.stuck.rule == "oscillation" else 1
-        exists, uncertain = self.scenario.base.exists, self.scenario.uncertain
-        moves = Levels.of(shape, self.scenario.map.level_count).moves
-        self._state = empty_state(
-            self.batch, self.scenario.team, shape, window, base=exists, uncertain=uncertain, moves=moves
-        )
-        if uncertain:
+        self._state = empty_state(self.scenario, self.batch, shape)
+        if self.scenario.uncertain:
             self.slam = empty_slam(self.scenario, self.batch, shape)
         self._bind(self._state)
 
