@@ -7,15 +7,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.grid.arrays import Belief, Cell, Distances
+from indoor_explorers.env.grid.arrays import Belief, Cell, Distances, Mask
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN, UNREACHABLE
+from indoor_explorers.env.grid.levels import plane_of
 from indoor_explorers.env.policies.policy import Pilot
 from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.search.frontiers import frontier_mask
+from indoor_explorers.env.sensing.lidar import LidarModel, lidar_model
 from indoor_explorers.planners.sampling.cover_tours import CoverParameters
+from indoor_explorers.planners.sampling.points import extent
 from indoor_explorers.planners.sampling.viewpoints import ViewpointPilot, ViewpointPolicy, Viewpoints
-from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters, middles
+from indoor_explorers.planners.toolbox.frontiers.clusters import middles
 from indoor_explorers.planners.toolbox.information.candidates import distances_between
 from indoor_explorers.planners.toolbox.information.view_gain import visible_sets
 from indoor_explorers.planners.toolbox.parameters import bounded
@@ -61,28 +64,29 @@ class CoverTourPilot(ViewpointPilot):
         self._stops = np.empty(0, np.int32)
         self.replan_period = policy.period * briefing.lidar_range
         self._rate = 0.0 if policy.as_published else policy.discount_rate / briefing.lidar_range
-        apart = max(1, round(policy.spacing * briefing.lidar_range))
-        on_lattice = [np.arange(length) % apart == apart // 2 for length in briefing.shape]
-        self._lattice = np.logical_and.outer(*on_lattice)
+        self._lattice = lattice(briefing.shape, max(1, round(policy.spacing * briefing.lidar_range)), self.paths.rise)
+        elevation = briefing.scenario.lidar.elevation
+        reach = policy.reach * briefing.lidar_range
+        self._near = lidar_model(float(reach), levels=max(1, self.lidar.volume.levels), elevation=elevation)
 
     def viewpoint(self, view: View) -> Cell | None:
         """Return the first stop of the best tour."""
-        reach = self._policy.reach * self.briefing.lidar_range
         viewpoints = self.judged(view, self._candidates(view)).unclaimed()
-        bits = visible_frontier(view.belief, self.steps_from(view, view.cell), viewpoints.cells, reach)
+        field = self.steps_from(view, view.cell)
+        bits = visible_frontier(view.belief, field, viewpoints.cells, self._near, self.paths.rise)
         useful = np.flatnonzero(bits.any(axis=1))
         if not len(useful):
             return None
         self._stops = self._tour(view, viewpoints.selected(useful), bits[useful])
-        steps = self.steps_from(view, view.cell).ravel()[self._stops]
+        steps = field.ravel()[self._stops]
         self.consider(self._stops, "place in the tour, negative", -1.0 - np.arange(len(self._stops)), steps=steps)
         return divmod(int(self._stops[0]), self.paths.width)
 
     def _candidates(self, view: View) -> NDArray[np.int32]:
         """Return the flat cells (K,) of the lattice, in the middle of frontier clusters, and of the last tour."""
-        lattice = np.flatnonzero(self._lattice & (view.belief == FREE))
-        ends = middles(frontier_clusters(view.belief, self.briefing.lidar_range), self.paths.width)
-        return np.union1d(np.union1d(lattice, ends), self._stops).astype(np.int32)
+        regular = np.flatnonzero(self._lattice & (view.belief == FREE))
+        ends = middles(self.clusters(view), self.paths.width)
+        return np.union1d(np.union1d(regular, ends), self._stops).astype(np.int32)
 
     def _tour(self, view: View, viewpoints: Viewpoints, bits: NDArray[np.uint64]) -> NDArray[np.int32]:
         """Return the stops of the best tour, (K,) flat cells."""
@@ -104,15 +108,27 @@ class CoverTourPilot(ViewpointPilot):
         """Return the steps between the UAV, place 0, and (K,) viewpoints, (K + 1, K + 1)."""
         cells = np.concatenate([self.paths.flat([view.cell]), viewpoints.cells])
         steps = np.concatenate([[0], viewpoints.steps])[None]
-        return np.asarray(distances_between(view.belief, cells, steps, view.belief.size))
+        return np.asarray(distances_between(view.belief, cells, steps, view.belief.size, self.paths.rise))
 
 
-def visible_frontier(belief: Belief, steps: Distances, cells: NDArray[np.int32], reach: float) -> NDArray[np.uint64]:
+def lattice(shape: tuple[int, int], apart: int, rise: int) -> Mask:
+    """Return the cells of a (H, W) plane that are ``apart`` cells from each other along all axes, (H, W) bool."""
+    levels, *size = (1, *extent(shape, rise))[-3:]
+    spacings = (min(apart, levels), apart, apart)
+    axes = [np.arange(length) % each == each // 2 for length, each in zip((levels, *size), spacings, strict=True)]
+    return plane_of(np.logical_and.outer(axes[0], np.logical_and.outer(axes[1], axes[2])), between=False)
+
+
+def visible_frontier(
+    belief: Belief, steps: Distances, cells: NDArray[np.int32], reach: LidarModel | float, rise: int = 0
+) -> NDArray[np.uint64]:
     """Return the frontier cells in sight of each of (K,) flat cells as bit sets, (K, words) uint64.
 
     Those are the free cells beside unknown ones that the (H, W) ``steps`` reach, at most ``reach`` cells away, with
-    only known free cells between.
+    only known free cells between. ``reach`` may be given as the lidar that sees so far.
     """
     marked = np.where(belief == UNKNOWN, OCCUPIED, belief).astype(np.uint8)
-    marked[frontier_mask(belief) & (steps < UNREACHABLE)] = UNKNOWN  # which the lidar sees through, and is counted
+    marked[frontier_mask(belief, rise) & (steps < UNREACHABLE)] = (
+        UNKNOWN  # which the lidar sees through, and is counted
+    )
     return visible_sets(marked, cells, reach)

@@ -15,9 +15,8 @@ from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.search.frontiers import frontier_mask
 from indoor_explorers.planners.sampling.cover_tours import CoverParameters
+from indoor_explorers.planners.sampling.points import Points, centre, known_cells, points_in
 from indoor_explorers.planners.sampling.roadmaps import Roadmap, grow_roadmap
-from indoor_explorers.planners.sampling.samples import known_cells, points_in
-from indoor_explorers.planners.sampling.setting import Points
 from indoor_explorers.planners.sampling.viewpoints import ViewpointPilot, ViewpointPolicy, Viewpoints
 from indoor_explorers.planners.toolbox.information.view_gain import visible_sets
 from indoor_explorers.planners.toolbox.parameters import bounded
@@ -58,18 +57,17 @@ class PrmTourPilot(ViewpointPilot):
     def __init__(self, briefing: Briefing, policy: PrmTour) -> None:
         super().__init__(briefing, policy)
         self._policy = policy
-        self._milestones: Points = np.empty((0, 2))
+        self._milestones: Points = np.empty((0, self.axes))
         self._stops = np.empty(0, np.int32)
-        disc = np.pi * briefing.lidar_range**2
-        self._least = max(1, int(policy.least * disc))
+        self._least = max(1, int(policy.least * self.largest_view))
         self._rate = 0.0 if policy.as_published else policy.discount_rate / briefing.lidar_range
 
     def viewpoint(self, view: View) -> Cell | None:
         """Return the first stop of the best tour."""
         self._milestones = self._sampled(view)
-        start = np.array([[view.cell[0] + 0.5, view.cell[1] + 0.5]])
-        roadmap = grow_roadmap(view.belief, np.concatenate([start, self._milestones]))
-        cells = known_cells(view.belief, roadmap.points)
+        rise, points = self.paths.rise, np.concatenate([[centre(view.cell, self.paths.rise)], self._milestones])
+        roadmap = grow_roadmap(view.belief, points, rise)
+        cells = known_cells(view.belief, roadmap.points, rise)
         joined = np.isfinite(roadmap.lengths_from(0)[0])
         viewpoints = self.judged(view, np.unique(cells[joined])).unclaimed()
         if not len(viewpoints.cells):
@@ -81,19 +79,20 @@ class PrmTourPilot(ViewpointPilot):
 
     def _sampled(self, view: View) -> Points:
         """Return the milestones: stops of the last tour, cells drawn from the frontier, and any free cells."""
-        width, count = self.paths.width, self._policy.milestones
+        count = self._policy.milestones
         free = (view.belief == FREE) & ~view.visited
-        frontier = np.flatnonzero(frontier_mask(view.belief))
+        frontier = np.flatnonzero(frontier_mask(view.belief, self.paths.rise))
         drawn = self.rng.permutation(frontier)[: count // 2]
         anywhere = self.rng.permutation(np.flatnonzero(view.belief == FREE))[: count - len(drawn)]
         kept = self._stops[free.ravel()[self._stops]]
-        return points_in(np.union1d(np.union1d(kept, drawn), anywhere).astype(np.int32), width, self.rng)
+        cells = np.union1d(np.union1d(kept, drawn), anywhere).astype(np.int32)
+        return points_in(cells, self.paths.width, self.paths.rise, self.rng)
 
     def _tour(
         self, view: View, roadmap: Roadmap, cells: NDArray[np.int32], viewpoints: Viewpoints
     ) -> NDArray[np.int32]:
         """Return the stops of the best tour, (K,) flat cells."""
-        bits = visible_sets(view.belief, viewpoints.cells, self.briefing.lidar_range)
+        bits = visible_sets(view.belief, viewpoints.cells, self.lidar)
         weights = np.exp(-self._rate * viewpoints.steps)
         kept = np.flatnonzero(np.isin(viewpoints.cells, self._stops))
         covers = self._policy.covers(bits, weights, kept, self._least, self.rng)

@@ -18,21 +18,22 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
 from indoor_explorers.env.grid.arrays import Belief
-from indoor_explorers.planners.sampling.setting import Points, plane_of, read_graph, silence_ompl
+from indoor_explorers.planners.sampling.points import Points, lengths
+from indoor_explorers.planners.sampling.setting import put, read_graph, silence_ompl, space_of
 
 
 class Roadmap(NamedTuple):
     """An undirected graph of K points."""
 
     points: Points
-    """(K, 2) row and column in continuous cell coordinates, in the order they were given."""
+    """(K, D), in the order they were given."""
     edges: NDArray[np.int64]
     """(E, 2) numbers of the points that each edge joins, the lower one first, in lexicographic order."""
 
     def lengths_from(self, *sources: int) -> NDArray[np.float64]:
         """Return the lengths of the shortest paths from S points to all, (S, K) in cells, inf if there is none."""
         first, second = self.edges.T
-        weights = np.hypot(*(self.points[first] - self.points[second]).T)
+        weights = lengths(self.points[first] - self.points[second])
         graph = csr_array((weights, (first, second)), shape=(len(self.points), len(self.points)))
         return np.asarray(dijkstra(graph, directed=False, indices=list(sources)))
 
@@ -48,18 +49,18 @@ class _Listed(base.ValidStateSampler):  # type: ignore[misc]  # ompl carries no 
         """Write the next point into ``state``; return whether there was one."""
         point = next(self._points, None)
         if point is not None:
-            state[0], state[1] = point
+            put(state, point)
         return point is not None
 
 
-def grow_roadmap(belief: Belief, points: Points) -> Roadmap:
-    """Connect (K, 2) distinct ``points`` in known free space of a (H, W) ``belief`` to a roadmap.
+def grow_roadmap(belief: Belief, points: Points, rise: int = 0) -> Roadmap:
+    """Connect (K, D) distinct ``points`` in known free space of a (H, W) ``belief`` to a roadmap.
 
     Each point is connected to its nearest ones by every segment that stays in known free cells: to as many as make
     paths asymptotically optimal (PRM*, Karaman & Frazzoli 2011). The result depends only on the arguments.
     """
     with silence_ompl():
-        information = plane_of(belief, into_unknown=False)
+        information = space_of(belief, rise, into_unknown=False)
         information.setValidStateSamplerAllocator(lambda owner: _Listed(owner, iter(points.tolist())))
         information.setup()
         planner = geometric.PRMstar(information)
@@ -68,7 +69,7 @@ def grow_roadmap(belief: Belief, points: Points) -> Roadmap:
         planner.growRoadmapPtc(base.PlannerTerminationCondition(lambda: planner.milestoneCount() >= len(points)))
         found, joined = read_graph(planner, information)
         information.clearValidStateSamplerAllocator()
-    number = {(row, col): k for k, (row, col) in enumerate(points.tolist())}
+    number = {tuple(point): k for k, point in enumerate(points.tolist())}
     return Roadmap(points, _pairs([number[point] for point in found], joined))
 
 

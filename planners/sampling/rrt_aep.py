@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from math import pi
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +14,10 @@ from indoor_explorers.env.grid.cells import FREE, UNREACHABLE
 from indoor_explorers.env.policies.policy import Pilot
 from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.env.sensing.lidar import LidarModel
+from indoor_explorers.planners.sampling.points import centre, known_cells, points_in
 from indoor_explorers.planners.sampling.rrt_nbv import RrtNbvPilot, TreePolicy
-from indoor_explorers.planners.sampling.samples import known_cells, points_in, tree_samples
+from indoor_explorers.planners.sampling.samples import tree_samples
 from indoor_explorers.planners.sampling.segments import entries
 from indoor_explorers.planners.sampling.trees import grow_tree
 from indoor_explorers.planners.sampling.viewpoints import Viewpoints, diverse_subset
@@ -25,7 +27,7 @@ from indoor_explorers.planners.toolbox.navigation.candidate_pilot import Candida
 from indoor_explorers.planners.toolbox.navigation.teammates import message_of
 from indoor_explorers.planners.toolbox.parameters import GoalBonusParameters, bounded
 
-#: Half the side of the inner square around the UAV, in cells.
+#: Half the side of the inner square or cube around the UAV, in cells.
 NEAR_HALF = 6.0
 #: Largest distance of other viewpoints from a UAV of the group, in steps.
 NEAR = 6
@@ -82,31 +84,31 @@ class RrtAep(GoalBonusParameters, TreePolicy):
 
 
 def tree_cells(
-    view: View, squares: Iterable[tuple[float, int]], bias: float, edge: float, rng: np.random.Generator
+    view: View, squares: Iterable[tuple[float, int]], bias: float, edge: float, rng: np.random.Generator, rise: int = 0
 ) -> NDArray[np.int32]:
     """Grow a tree from the UAV; return its known free cells, and those where it enters unknown space, flat.
 
-    Each of the ``squares`` around the UAV is given by half its side in cells and its number of samples; a share
-    ``bias`` of them is drawn from unknown cells next to known free ones. ``edge`` is the longest edge in cells.
+    Each of the ``squares``, or cubes, around the UAV is given by half its side in cells and its number of samples; a
+    share ``bias`` of them is drawn from unknown cells next to known free ones. ``edge`` is the longest edge in cells.
     """
-    drawn = [tree_samples(view.belief, view.cell, half, count, bias, rng) for half, count in squares]
-    tree = grow_tree(view.belief, (view.cell[0] + 0.5, view.cell[1] + 0.5), np.concatenate(drawn), edge)
-    cells = known_cells(view.belief, tree.vertices)
-    return np.concatenate([cells[cells >= 0], entries(view.belief, *tree)])
+    drawn = [tree_samples(view.belief, view.cell, half, count, bias, rng, rise) for half, count in squares]
+    tree = grow_tree(view.belief, centre(view.cell, rise), np.concatenate(drawn), edge, rise)
+    cells = known_cells(view.belief, tree.vertices, rise)
+    return np.concatenate([cells[cells >= 0], entries(view.belief, *tree, rise)])
 
 
 class ViewpointMemory:
     """The viewpoints that one UAV's trees have found, kept as long as they have a gain."""
 
-    def __init__(self, briefing: Briefing, policy: TreePolicy) -> None:
+    def __init__(self, briefing: Briefing, policy: TreePolicy, lidar: LidarModel) -> None:
         self._policy = policy
-        self._rng = briefing.rng
-        self._gains = WeightedGains(briefing.shape, briefing.lidar_range, policy.decay_length, policy.isolation)
+        self._rng, self._rise = briefing.rng, briefing.rise
+        self._gains = WeightedGains(briefing.shape, lidar, policy.decay_length, policy.isolation)
         self._cells = np.empty(0, np.int32)
 
     def grow(self, view: View, *squares: tuple[float, int]) -> None:
         """Add the viewpoints of a tree with samples from squares around the UAV (:func:`tree_cells`)."""
-        found = tree_cells(view, squares, self._policy.bias, self._policy.edge, self._rng)
+        found = tree_cells(view, squares, self._policy.bias, self._policy.edge, self._rng, self._rise)
         self._cells = np.union1d(self._cells, found)
 
     def recalled(self, view: View, steps: NDArray[np.int32]) -> tuple[NDArray[np.int32], NDArray[np.float64]]:
@@ -125,6 +127,7 @@ class ViewpointMemory:
 class RrtAepPilot(CandidatePilot):
     """Choose among stored viewpoints, in turn with the linked teammates."""
 
+    changes_levels: ClassVar[bool] = True
     straight = True
 
     def __init__(self, briefing: Briefing, policy: RrtAep) -> None:
@@ -140,7 +143,7 @@ class RrtAepPilot(CandidatePilot):
         )
         self.chooser = SequenceChooser(self, self._parameters, self.candidates)
         """Chooses among the viewpoints."""
-        self._memory = ViewpointMemory(briefing, policy)
+        self._memory = ViewpointMemory(briefing, policy, self.lidar)
         self._next_local = self._next_global = self._fallbacks = 0
 
     def choose(self, view: View) -> Cell | None:
@@ -163,7 +166,8 @@ class RrtAepPilot(CandidatePilot):
         steps = fields.min(axis=0).ravel()
         cells, gains = self._memory.recalled(view, steps)
         scores = np.log(gains) - policy.discount_rate * steps[cells] / self._range
-        different = diverse_subset(view.belief, cells, scores, self._range, 2 * policy.places, policy.places)
+        tried, rise = 2 * policy.places, self.paths.rise
+        different = diverse_subset(view.belief, cells, scores, self.lidar, tried, policy.places, rise)
         values = np.sqrt(gains) * np.exp(-self._parameters.discount_rate * steps[cells] / self._range)
         near = np.setdiff1d(np.flatnonzero(steps[cells] <= NEAR), different)
         near = near[np.argsort(-values[near], kind="stable")[: policy.lookouts]]
@@ -189,13 +193,13 @@ class TurnsPilot(RrtNbvPilot):
         super().__init__(briefing, policy)
         self._aep = policy
         self._remembered = np.empty(0, np.int32)
-        self._enough = policy.threshold * pi * briefing.lidar_range**2
+        self._enough = policy.threshold * self.largest_view
 
     def viewpoint(self, view: View) -> Cell | None:
         """Return the local tree's best viewpoint, or else the best stored one."""
         policy = self._aep
         half = policy.local_ranges * self.briefing.lidar_range
-        found = tree_cells(view, [(half, policy.samples)], policy.bias, policy.edge, self.rng)
+        found = tree_cells(view, [(half, policy.samples)], policy.bias, policy.edge, self.rng, self.paths.rise)
         viewpoints = self.judged(view, np.union1d(self._remembered, found))
         good = viewpoints.gains > self._enough
         self._remembered = viewpoints.cells[good]
@@ -209,10 +213,10 @@ class TurnsPilot(RrtNbvPilot):
             return None
         free = np.flatnonzero(view.belief.ravel() == FREE).astype(np.int32)
         drawn = self.rng.choice(free, self._aep.samples)
-        samples = points_in(np.concatenate([viewpoints.cells, drawn, viewpoints.cells]), self.paths.width, self.rng)
-        root = (view.cell[0] + 0.5, view.cell[1] + 0.5)
-        tree = grow_tree(view.belief, root, samples, self._aep.edge, optimal=True, into_unknown=False)
-        cells, lengths = known_cells(view.belief, tree.vertices), tree.lengths()
+        drawn, rise = np.concatenate([viewpoints.cells, drawn, viewpoints.cells]), self.paths.rise
+        samples, root = points_in(drawn, self.paths.width, rise, self.rng), centre(view.cell, rise)
+        tree = grow_tree(view.belief, root, samples, self._aep.edge, rise, optimal=True, into_unknown=False)
+        cells, lengths = known_cells(view.belief, tree.vertices, rise), tree.lengths()
         ways = np.array([np.min(lengths[cells == cell], initial=np.inf) for cell in viewpoints.cells])
         if not np.isfinite(ways).any():
             return self.best(view, viewpoints, self._aep.latency)

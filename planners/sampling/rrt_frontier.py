@@ -14,6 +14,7 @@ from indoor_explorers.env.policies.policy import Pilot
 from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.search.frontiers import frontier_cells
+from indoor_explorers.planners.sampling.points import centre, distances_to
 from indoor_explorers.planners.sampling.samples import merged, tree_samples
 from indoor_explorers.planners.sampling.segments import entries
 from indoor_explorers.planners.sampling.trees import Tree, grow_tree
@@ -110,7 +111,7 @@ class RrtFrontierPilot(ViewpointPilot):
         cells = self._detected(view, field)
         if not self._policy.as_published:
             return self.best(view, self.judged(view, cells), self._policy.latency)
-        cells = cells[merged(cells, self._policy.merge_distance, self.paths.width, len(cells))]
+        cells = cells[merged(cells, self._policy.merge_distance, self.paths.width, len(cells), self.paths.rise)]
         if not len(cells):
             return None
         revenue = self._revenue(view, cells, field)
@@ -137,17 +138,18 @@ class RrtFrontierPilot(ViewpointPilot):
         return found[~self.near_banned(view, found)]
 
     def _grow(self, view: View, half: float, samples: int) -> None:
-        """Grow a tree in a square around the UAV, and update the candidates."""
-        points = tree_samples(view.belief, view.cell, half, samples, self._policy.bias, self.rng)
-        tree = grow_tree(view.belief, (view.cell[0] + 0.5, view.cell[1] + 0.5), points, self._policy.edge)
+        """Grow a tree in a square or cube around the UAV, and update the candidates."""
+        rise = self.paths.rise
+        points = tree_samples(view.belief, view.cell, half, samples, self._policy.bias, self.rng, rise)
+        tree = grow_tree(view.belief, centre(view.cell, rise), points, self._policy.edge, rise)
         self.trees.append(tree)
-        found = np.union1d(self._candidates, entries(view.belief, *tree))
-        self._candidates = found[frontier_cells(view.belief, found)]
+        found = np.union1d(self._candidates, entries(view.belief, *tree, rise))
+        self._candidates = found[frontier_cells(view.belief, found, rise)]
 
     def _revenue(self, view: View, cells: NDArray[np.int32], field: NDArray[np.int32]) -> NDArray[np.float64]:
-        gains = unclaimed_gains(view.belief, cells, claims(view, self.briefing), self.briefing.lidar_range)
-        rows, cols = np.divmod(cells, self.paths.width)
-        near = np.hypot(rows - view.cell[0], cols - view.cell[1]) <= self._policy.hysteresis_radius
+        gains = unclaimed_gains(view.belief, cells, claims(view, self.briefing), self.lidar)
+        away = distances_to(cells, view.cell, self.paths.width, self.paths.rise)
+        near = away <= self._policy.hysteresis_radius
         weight = self._policy.gain_weight / self.briefing.lidar_range
         worth = weight * gains * np.where(near, self._policy.hysteresis, 1.0)
         return np.asarray(worth - field.ravel()[cells], np.float64)

@@ -11,8 +11,8 @@ from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.policies.policy import Pilot
 from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.planners.sampling.samples import known_cells, tree_samples
-from indoor_explorers.planners.sampling.setting import Points
+from indoor_explorers.planners.sampling.points import Points, centre, known_cells
+from indoor_explorers.planners.sampling.samples import tree_samples
 from indoor_explorers.planners.sampling.trees import Tree, grow_tree
 from indoor_explorers.planners.sampling.viewpoints import ViewpointPilot, ViewpointPolicy, Viewpoints
 from indoor_explorers.planners.toolbox.parameters import bounded
@@ -57,7 +57,7 @@ class RrtNbvPilot(ViewpointPilot):
     def __init__(self, briefing: Briefing, policy: TreePolicy) -> None:
         super().__init__(briefing, policy)
         self._policy = policy
-        self._remainder: Points = np.empty((0, 2))
+        self._remainder: Points = np.empty((0, self.axes))
         self.tree: Tree | None = None
         """The tree that was grown last."""
         self.branch = np.empty(0, np.int64)
@@ -66,7 +66,7 @@ class RrtNbvPilot(ViewpointPilot):
     def viewpoint(self, view: View) -> Cell | None:
         """Return the first cell of the best branch that the UAV has not visited."""
         tree = self.grow(view)
-        cells = known_cells(view.belief, tree.vertices)
+        cells = known_cells(view.belief, tree.vertices, self.paths.rise)
         viewpoints = self.judged(view, np.unique(cells[cells >= 0]))
         worth = self._values(tree, cells, viewpoints)
         self.tree, self.branch = tree, best_branch(tree, worth)
@@ -83,11 +83,11 @@ class RrtNbvPilot(ViewpointPilot):
 
     def grow(self, view: View) -> Tree:
         """Grow a tree near the UAV, first towards the remainder of the last best branch."""
-        policy = self._policy
+        policy, rise = self._policy, self.paths.rise
         half, count = policy.local_ranges * self.briefing.lidar_range, policy.samples - len(self._remainder)
-        drawn = tree_samples(view.belief, view.cell, half, count, policy.bias, self.rng)
-        root = (view.cell[0] + 0.5, view.cell[1] + 0.5)
-        return grow_tree(view.belief, root, np.concatenate([self._remainder, drawn]), policy.edge, into_unknown=False)
+        drawn = tree_samples(view.belief, view.cell, half, count, policy.bias, self.rng, rise)
+        samples = np.concatenate([self._remainder, drawn])
+        return grow_tree(view.belief, centre(view.cell, rise), samples, policy.edge, rise, into_unknown=False)
 
     def _values(self, tree: Tree, cells: NDArray[np.int32], viewpoints: Viewpoints) -> NDArray[np.float64]:
         """Return the discounted gain of each of (K,) vertices in known free cells, 0 for the others."""

@@ -1,4 +1,4 @@
-"""The setup of OMPL's planners: the state space of a map, exact motion checks on a belief map, and no log output.
+"""The setup of OMPL's planners: a state space, R^2 or R^3, exact motion checks on a belief map, and no log output.
 
 OMPL has one random generator per process, which can be seeded once. So that an episode depends only on its own seed,
 no result of this package depends on that generator: RRT and RRT* take their samples from a goal region of listed states
@@ -13,32 +13,32 @@ report about leaks.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
 from ompl import base, util
 
 from indoor_explorers.env.grid.arrays import Belief
+from indoor_explorers.planners.sampling.points import extent
 from indoor_explorers.planners.sampling.segments import ALL_KNOWN, BLOCKED, trace
-
-#: (K, 2) rows and columns in continuous cell coordinates: cell (r, c) covers [r, r + 1) x [c, c + 1).
-Points = NDArray[np.float64]
 
 
 class MotionChecker(base.MotionValidator):  # type: ignore[misc]  # ompl carries no types
     """Check whole edges for OMPL: exact, with one call from C++ instead of one for every state along an edge."""
 
-    def __init__(self, information: Any, belief: Belief, into_unknown: bool) -> None:
+    def __init__(self, information: Any, belief: Belief, rise: int, into_unknown: bool) -> None:
         super().__init__(information)
         self._belief = belief
+        self._rise = rise
         self._into_unknown = into_unknown
 
     def checkMotion(self, start: Any, end: Any) -> bool:  # OMPL's name
         """Tell whether the segment between two states is free of obstacles, and of unknown cells if required."""
-        met = trace(self._belief, start[0], start[1], end[0], end[1])
+        if self._rise > 0:
+            met = trace(self._belief, start[1], start[2], end[1], end[2], self._rise, start[0], end[0])
+        else:
+            met = trace(self._belief, start[0], start[1], end[0], end[1])
         return bool(met != BLOCKED if self._into_unknown else met == ALL_KNOWN)
 
 
@@ -53,17 +53,18 @@ def silence_ompl() -> Iterator[None]:
         util.setLogLevel(level)
 
 
-def plane_of(belief: Belief, *, into_unknown: bool) -> Any:
-    """Return OMPL's space information for flights over a (H, W) belief, not yet set up."""
-    space = base.RealVectorStateSpace(2)
-    bounds = base.RealVectorBounds(2)
-    for axis, cells in enumerate(belief.shape):
+def space_of(belief: Belief, rise: int, *, into_unknown: bool) -> Any:
+    """Return OMPL's space information for flights over a (H, W) belief, or its levels, not yet set up."""
+    size = extent(belief.shape, rise)
+    space = base.RealVectorStateSpace(len(size))
+    bounds = base.RealVectorBounds(len(size))
+    for axis, cells in enumerate(size):
         bounds.setLow(axis, 0.0)
         bounds.setHigh(axis, float(cells))
     space.setBounds(bounds)
     information = base.SpaceInformation(space)
     information.setStateValidityChecker(_anywhere)
-    information.setMotionValidator(MotionChecker(information, belief, into_unknown))
+    information.setMotionValidator(MotionChecker(information, belief, rise, into_unknown))
     return information
 
 
@@ -73,13 +74,20 @@ def iteration_limit(calls: int) -> Any:
     return base.PlannerTerminationCondition(lambda: next(left, None) is None)
 
 
-def read_graph(planner: Any, information: Any) -> tuple[list[tuple[float, float]], list[list[int]]]:
+def put(state: Any, point: Sequence[float]) -> None:
+    """Write a point's coordinates (D,) into a state."""
+    for axis, coordinate in enumerate(point):
+        state[axis] = coordinate
+
+
+def read_graph(planner: Any, information: Any) -> tuple[list[tuple[float, ...]], list[list[int]]]:
     """Return the points of a planner's graph, and for each the indices of its successors."""
     data = base.PlannerData(information)
     planner.getPlannerData(data)
     count = data.numVertices()
     states = [data.getVertex(k).getState() for k in range(count)]
-    return [(state[0], state[1]) for state in states], [list(data.getEdges(k)) for k in range(count)]
+    axes = range(information.getStateDimension())
+    return [tuple(state[axis] for axis in axes) for state in states], [list(data.getEdges(k)) for k in range(count)]
 
 
 def _anywhere(state: Any) -> bool:

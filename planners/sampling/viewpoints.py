@@ -14,7 +14,9 @@ from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.policies.policy import ALL_CELLS, Policy
 from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.env.sensing.lidar import LidarModel
 from indoor_explorers.planners.sampling.covers import distinct
+from indoor_explorers.planners.sampling.points import distances_to
 from indoor_explorers.planners.sampling.samples import merged
 from indoor_explorers.planners.toolbox.coordination.out_of_contact import OutOfContact
 from indoor_explorers.planners.toolbox.information.candidates import distances_between
@@ -65,16 +67,22 @@ class Viewpoints(NamedTuple):
 
 
 def diverse_subset(
-    belief: Belief, cells: NDArray[np.int32], scores: NDArray[np.float64], lidar_range: float, tried: int, most: int
+    belief: Belief,
+    cells: NDArray[np.int32],
+    scores: NDArray[np.float64],
+    lidar: LidarModel,
+    tried: int,
+    most: int,
+    rise: int = 0,
 ) -> NDArray[np.int64]:
     """Return the indices of the best of (K,) flat cells by their scores that are apart and have different views.
 
     At most ``most`` of the best ``tried`` that are apart, the best first.
     """
     order = np.argsort(-scores, kind="stable")
-    apart = max(APART_CELLS, APART_RANGES * lidar_range)
-    order = order[merged(cells[order], apart, belief.shape[1], tried)]
-    return np.asarray(order[distinct(visible_sets(belief, cells[order], lidar_range), OVERLAP, most)])
+    apart = max(APART_CELLS, APART_RANGES * lidar.range)
+    order = order[merged(cells[order], apart, belief.shape[1], tried, rise)]
+    return np.asarray(order[distinct(visible_sets(belief, cells[order], lidar), OVERLAP, most)])
 
 
 @renamed(discount="discount_rate", depth="decay_length", hold="switch_cost")
@@ -97,15 +105,26 @@ class ViewpointPilot(GoalPilot):
     goal is sent to the teammates.
     """
 
+    changes_levels: ClassVar[bool] = True
     straight = True
     replan_period: float = 0
 
     def __init__(self, briefing: Briefing, policy: ViewpointPolicy) -> None:
         super().__init__(briefing)
         self.weights = policy
-        self.gains = WeightedGains(briefing.shape, briefing.lidar_range, policy.decay_length, policy.isolation)
+        self.gains = WeightedGains(briefing.shape, self.lidar, policy.decay_length, policy.isolation)
         self._out_of_contact = OutOfContact(briefing)
         self._fallbacks = 0
+
+    @property
+    def axes(self) -> int:
+        """Number of coordinates of a point: 2, or 3 on maps of several levels."""
+        return 3 if self.paths.rise > 0 else 2
+
+    @property
+    def largest_view(self) -> float:
+        """Cells that a scan can show at most: the area of the lidar's disc, or all cells in range over levels."""
+        return float(self.lidar.disc) if self.paths.rise > 0 else np.pi * self.briefing.lidar_range**2
 
     @abstractmethod
     def viewpoint(self, view: View) -> Cell | None:
@@ -158,14 +177,15 @@ class ViewpointPilot(GoalPilot):
         reach = self.briefing.lidar_range
         scores = np.log(viewpoints.gains) - self.weights.discount_rate * viewpoints.steps / reach
         scores += self.weights.switch_cost * self._kept(viewpoints.cells)
-        return diverse_subset(view.belief, viewpoints.cells, scores, reach, CANDIDATES, STOPS)
+        return diverse_subset(view.belief, viewpoints.cells, scores, self.lidar, CANDIDATES, STOPS, self.paths.rise)
 
     def _costs(self, view: View, viewpoints: Viewpoints, latency: float) -> NDArray[np.float64]:
         """Return, for each of (K,) viewpoints, the cost of the best order that begins there, in lidar ranges, (K,)."""
         if len(viewpoints.cells) == 1:
             return np.zeros(1)
         reach, steps = self.briefing.lidar_range, viewpoints.steps.astype(np.float64)
-        between = distances_between(view.belief, viewpoints.cells, steps[None], int(HOP_RANGES * reach) + 1)
+        limit = int(HOP_RANGES * reach) + 1
+        between = distances_between(view.belief, viewpoints.cells, steps[None], limit, self.paths.rise)
         worth = np.sqrt(viewpoints.gains)
         return best_orders(steps / reach, between / reach, worth / worth.sum(), latency)[0]
 
@@ -183,7 +203,6 @@ class ViewpointPilot(GoalPilot):
         """
         if self.briefing.team == 1:
             return np.ones(len(cells))
-        rows, cols = np.divmod(cells, self.paths.width)
         left = self._out_of_contact.at_cells(view, cells, steps, self.steps_from)
         for mate in linked(view):
             theirs = self.steps_from(view, mate.cell).ravel()[cells]
@@ -191,5 +210,6 @@ class ViewpointPilot(GoalPilot):
             left *= np.where(nearer, self.weights.share, 1.0)
             goal = sent_goal(mate)
             if goal is not None:
-                left *= np.minimum(1.0, np.hypot(rows - goal[0], cols - goal[1]) / self.briefing.lidar_range)
+                away = distances_to(cells, goal, self.paths.width, self.paths.rise)
+                left *= np.minimum(1.0, away / self.briefing.lidar_range)
         return left

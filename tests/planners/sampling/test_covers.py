@@ -66,5 +66,5 @@ def test_near_candidates_are_merged() -> None:
 def test_border_cells_are_unknown_beside_free() -> None:
     belief = np.array([[1, 0, 0, 1], [2, 0, 0, 0]], np.uint8)
     whole = np.array([0, 0]), np.array([2, 4])
-    assert border_cells(belief, *whole).tolist() == [[0, 1], [0, 2], [1, 3]]
-    assert border_cells(belief, np.array([0, 0]), np.array([1, 2])).tolist() == [[0, 1]]
+    assert border_cells(belief, *whole).tolist() == [1, 2, 7]
+    assert border_cells(belief, np.array([0, 0]), np.array([1, 2])).tolist() == [1]

@@ -9,7 +9,7 @@ from indoor_explorers.env import make_policy
 from indoor_explorers.env.grid.cells import FREE, UNREACHABLE
 from indoor_explorers.env.policies.view import View
 from indoor_explorers.env.search.bfs import distance_field
-from indoor_explorers.env.sensing.lidar import view_gain
+from indoor_explorers.env.sensing.lidar import lidar_model, view_gain
 from indoor_explorers.planners.sampling import rrt_aep
 from indoor_explorers.planners.sampling.rrt_aep import RrtAep, ViewpointMemory
 from tests.planners.flights import fly, rooms, view_of, world_on
@@ -44,7 +44,11 @@ def half_known() -> tuple[ViewpointMemory, View, np.ndarray]:
     visited = np.zeros(belief.shape, np.bool_)
     visited[6, :13] = True
     view = view_of(belief, (6, 4))._replace(visited=visited)
-    return ViewpointMemory(world.briefing(0, 0), RrtAep()), view, distance_field(belief, (6, 4)).ravel()
+    return (
+        ViewpointMemory(world.briefing(0, 0), RrtAep(), lidar_model(3.0)),
+        view,
+        distance_field(belief, (6, 4)).ravel(),
+    )
 
 
 def test_what_is_recalled_shows_something_and_the_nearest_comes_first() -> None:
