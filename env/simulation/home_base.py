@@ -49,7 +49,7 @@ def _reaches(rules: Rules, state: State, b: int, agent: int) -> bool:
     base_row, base_col = state.base_cell[b, 0], state.base_cell[b, 1]
     if state.end[b, agent] != FLYING:
         return False
-    levels, rows, cols = offset(rules, state.truth.shape[1], row, col, base_row, base_col)
+    levels, rows, cols = offset(rules.levels, state.truth.shape[1], row, col, base_row, base_col)
     if levels * levels + rows * rows + cols * cols <= rules.base_radius * rules.base_radius + 1e-9:
         return True
     if rules.radio_model == CUSTOM or state.step[b] < state.silent_until[b, agent]:
