@@ -238,7 +238,7 @@ for name in policy_names():
         print(name, "OMPL has wheels for" in str(error))
 """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    sampling = ("cover-tour", "prm-tour", "rrt", "rrt-aep", "rrt-frontier", "rrt-nbv", "rrt-predictive")
+    sampling = ("prm-tour", "rrt", "rrt-aep", "rrt-frontier", "rrt-nbv", "rrt-predictive")
     assert done.stdout.splitlines() == [f"{name} True" for name in sampling]
 
 
