@@ -128,7 +128,6 @@ def visible_frontier(
     only known free cells between. ``reach`` may be given as the lidar that sees so far.
     """
     marked = np.where(belief == UNKNOWN, OCCUPIED, belief).astype(np.uint8)
-    marked[frontier_mask(belief, rise) & (steps < UNREACHABLE)] = (
-        UNKNOWN  # which the lidar sees through, and is counted
-    )
+    reachable = frontier_mask(belief, rise) & (steps < UNREACHABLE)
+    marked[reachable] = UNKNOWN  # which the lidar sees through, and is counted
     return visible_sets(marked, cells, reach)

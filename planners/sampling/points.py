@@ -1,8 +1,8 @@
 """Points of trees and roadmaps: continuous coordinates on a plain map, or in a volume of several levels.
 
 A point has D axes: row and column, or level, row and column on maps of several levels, whose ``rise`` is not 0
-(:mod:`indoor_explorers.env.grid.levels`). Cell (r, c) covers [r, r + 1) x [c, c + 1) and its centre is (r + .5, c +
-.5); levels are one cell high.
+(:mod:`indoor_explorers.env.grid.levels`). Cell (r, c) covers [r, r + 1) x [c, c + 1) and its centre is
+(r + .5, c + .5); levels are one cell high.
 """
 
 from __future__ import annotations

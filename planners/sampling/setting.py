@@ -1,4 +1,4 @@
-"""The setup of OMPL's planners: a state space, R^2 or R^3, exact motion checks on a belief map, and no log output.
+"""The setup of OMPL's planners: state space (R^2 or R^3), exact motion checks on a belief map, and no log output.
 
 OMPL has one random generator per process, which can be seeded once. So that an episode depends only on its own seed,
 no result of this package depends on that generator: RRT and RRT* take their samples from a goal region of listed states

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
-from indoor_explorers.env.grid.levels import Levels, plane_of
 from indoor_explorers.planners.sampling.segments import ALL_KNOWN, BLOCKED, entries, trace
 
 
@@ -30,33 +29,6 @@ def test_flights_agree_with_dense_sampling(seed: int) -> None:
         assert belief[row, col] == FREE
         around = np.pad(belief, 1, constant_values=OCCUPIED)
         assert UNKNOWN in around[[row, row + 2, row + 1, row + 1], [col + 1, col + 1, col, col + 2]]
-
-
-@pytest.mark.parametrize("seed", range(40))
-def test_flights_over_levels_agree_with_dense_sampling(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    volume = rng.choice([UNKNOWN, FREE, OCCUPIED], (4, 6, 7), p=[0.2, 0.7, 0.1]).astype(np.uint8)
-    a, b = rng.random((2, 3)) * volume.shape
-    volume[tuple(np.floor(a).astype(int))] = FREE
-    points = a + (b - a) * np.linspace(0.0, 1.0, 4001)[:, None]
-    values = {int(volume[tuple(cell)]) for cell in np.floor(points).astype(int)}
-    plane, rise = plane_of(volume), 7
-    answer = trace(plane, a[1], a[2], b[1], b[2], rise, a[0], b[0])
-    assert (answer == BLOCKED) == (OCCUPIED in values)
-    if answer != BLOCKED:
-        assert (answer == ALL_KNOWN) == (UNKNOWN not in values)
-    if answer >= 0:
-        assert plane.flat[answer] == FREE
-        assert (
-            UNKNOWN in volume[tuple(zip(*beside(Levels(4, 6, 7).voxel(divmod(answer, 7)), volume.shape), strict=True))]
-        )
-
-
-def beside(voxel: tuple[int, int, int], shape: tuple[int, ...]) -> list[tuple[int, ...]]:
-    """The cells of a volume that share a face with one."""
-    ways = [way for axis in np.eye(3, dtype=int) for way in (axis, -axis)]
-    found = [tuple((np.array(voxel) + way).tolist()) for way in ways]
-    return [cell for cell in found if all(0 <= place < length for place, length in zip(cell, shape, strict=True))]
 
 
 def test_leaving_the_map_is_blocked() -> None:
