@@ -13,7 +13,6 @@ from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.env.sensing.lidar import lidar_model
 from indoor_explorers.planners.swarm.assignment import (
     Assignment,
     AssignmentProblem,
@@ -125,6 +124,8 @@ class JointPlan(NamedTuple):
 class PsoPilot(CandidatePilot):
     """Take part in the joint plans of the linked group."""
 
+    changes_levels: ClassVar[bool] = True
+
     def __init__(self, briefing: Briefing, policy: Pso) -> None:
         super().__init__(briefing)
         self._policy = policy
@@ -234,11 +235,11 @@ class PsoPilot(CandidatePilot):
             return None, cells.astype(np.int64), []
         steps, able = steps[can], [member for member, some in zip(members, can.tolist(), strict=True) if some]
         gains, shared = candidate_views(
-            view.belief, cells, UnknownWeight(policy.isolation, policy.decay_length * reach), lidar_model(reach)
+            view.belief, cells, UnknownWeight(policy.isolation, policy.decay_length * reach), self.lidar
         )
         problem = AssignmentProblem(
             steps=steps,
-            hops=distances_between(view.belief, cells, steps, int(HOP_RANGES * reach) + 1),
+            hops=distances_between(view.belief, cells, steps, int(HOP_RANGES * reach) + 1, self.paths.rise),
             gains=gains * chances * self._left_by_others(view, members, cells, steps),
             shared=shared,
             hysteresis=np.stack([self.hysteresis_bonus(member.goal, cells, policy.goal_bonus) for member in able]),
@@ -252,9 +253,9 @@ class PsoPilot(CandidatePilot):
     def _candidates(self, view: View, fields: Distances) -> Cells:
         policy, reach = self._policy, self._range
         around = local_candidates(
-            view.belief, fields, reach, policy.near, policy.discount_rate / reach, policy.lookouts
+            view.belief, fields, self.lidar, policy.near, policy.discount_rate / reach, policy.lookouts
         )
-        ahead = frontier_candidates(view.belief, fields, reach, policy.candidates)
+        ahead = frontier_candidates(view.belief, fields, reach, policy.candidates, self.paths.rise)
         return np.union1d(ahead, around).astype(np.int32)
 
     def _left_by_others(self, view: View, members: list[LinkedMember], cells: Cells, steps: Table) -> Table:

@@ -9,6 +9,7 @@ TASK = scenario("small-storeys").for_evaluation()
 CHANGE = (
     *("frontier-nearest", "frontier-utility", "frontier-burgard", "frontier-hungarian", "frontier-minpos"),
     *("frontier-mrtsp", "frontier-tour", "frontier-advantage", "frontier-latency", "frontier", "frontier-predictive"),
+    *("pso", "pso-predictive", "bat"),
     *("rrt", "rrt-nbv", "rrt-frontier", "rrt-predictive", "prm-tour", "cover-tour"),
     *("dddqn-places", "dddqn", "horizon", "reference"),
 )
