@@ -140,20 +140,21 @@ def list_scenarios(options: ListOptions, typed: str) -> int:
 
 
 def _scenario_row(preset: Scenario) -> tuple[str, ...]:
-    rows, cols = _shape(preset.map)
+    size = "x".join(map(str, _size(preset.map)))
     rewards, radio = preset.rewards, preset.radio.model
     reach = "" if radio in {"none", "unlimited"} else f" {preset.radio.range:g}"
     return (
-        *(preset.name, f"{rows}x{cols}", str(preset.team), f"{preset.lidar.range:g}", radio + reach),
+        *(preset.name, size, str(preset.team), f"{preset.lidar.range:g}", radio + reach),
         *(str(preset.budget), f"{preset.goal:.0%} of {preset.denominator}", preset.stuck.rule),
         f"{rewards.step:+g}, {rewards.discovered:+g}, {rewards.goal:+g}",
     )
 
 
-def _shape(source: MapSource) -> tuple[int, int]:
-    """Return the (height, width) of a source's first map, drawn only where its settings lack them."""
+def _size(source: MapSource) -> tuple[int, ...]:
+    """Return the (height, width) of a source's first map, drawn only where its settings lack them, and its levels."""
     height, width = getattr(source, "height", None), getattr(source, "width", None)
-    return (height, width) if height and width else source.floorplan(0, 0).shape
+    levels = (source.level_count,) if source.level_count > 1 else ()
+    return ((height, width) if height and width else source.floorplan(0, 0).shape) + levels
 
 
 POLICIES = Command(ListOptions, list_policies)
