@@ -50,7 +50,8 @@ class LevelPilot(NearestPilot):
         size = self._levels.height, self._levels.width
         self._on_level = replace(briefing, shape=size, level_count=1)
         self._level_paths = Paths(size)
-        self._level, self._pilot, self._explores = -1, explorer.pilot(self._on_level), False
+        self._level, self._explores = -1, False
+        self._pilot: Pilot  # of the level that the UAV is on, from its first step on
 
     def act(self, view: View) -> int:
         """Explore the level, or fly to the next one."""

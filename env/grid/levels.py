@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Cell, Mask
 from indoor_explorers.env.grid.cells import MOVES, OCCUPIED, Action
-from indoor_explorers.env.grid.compiled import inner
+from indoor_explorers.env.grid.compiled import inner, leaf
 
 #: The actions that only UAVs on maps of several levels have: move one level up, or down.
 ASCEND, DESCEND = 5, 6
@@ -103,6 +103,34 @@ def plane_of(volume: NDArray[Any], between: Any = OCCUPIED) -> NDArray[Any]:
     plane = np.full((levels.number, levels.height + 1, levels.width), between, volume.dtype)
     plane[:, :-1] = volume
     return plane.reshape(-1, levels.width)[:-1]
+
+
+@leaf()
+def rise_of(rows: int, count: int) -> int:
+    """Return the rise of a plane of so many ``rows`` that holds ``count`` levels; 0 where there is one."""
+    return (rows + 1) // count if count > 1 else 0
+
+
+@inner()
+def on_level(row: int, rise: int) -> tuple[int, int]:
+    """Return the level of a row of the plane, 0 where there is one, and the row on that level."""
+    return (row // rise, row % rise) if rise > 0 else (0, row)
+
+
+@leaf()
+def offset(row: int, col: int, to_row: int, to_col: int, rise: int) -> tuple[int, int, int]:
+    """Return how many levels, rows and columns lead from one cell of the plane to another."""
+    if rise == 0:
+        return 0, to_row - row, to_col - col
+    return to_row // rise - row // rise, to_row % rise - row % rise, to_col - col
+
+
+@inner()
+def enter_between(belief: np.ndarray, count: int) -> None:
+    """Enter the rows of obstacles between ``count`` levels into a plane (H, W) uint8."""
+    rise = rise_of(belief.shape[0], count)
+    for level in range(1, count):
+        belief[level * rise - 1, :] = OCCUPIED
 
 
 @inner()

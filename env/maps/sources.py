@@ -33,6 +33,7 @@ from indoor_explorers.env.maps.generators.offices import OfficesMaps
 from indoor_explorers.env.maps.generators.rooms import RoomsMaps
 from indoor_explorers.env.maps.generators.storeys import StoreysMaps
 from indoor_explorers.env.maps.generators.thesis import ThesisMaps
+from indoor_explorers.env.maps.readers.npy import levels_of
 from indoor_explorers.env.plugins import MAPS, declared, load_plugin
 
 __all__ = [
@@ -70,10 +71,8 @@ class FileMaps(MapReader):
 
     @model_validator(mode="after")
     def _counted(self) -> FileMaps:
-        if "levels" not in self.model_fields_set and self.paths[0].endswith(".npy"):
-            from indoor_explorers.env.maps.readers.npy import levels_of
-
-            object.__setattr__(self, "levels", levels_of(expanded(self.paths[0])))
+        if "levels" not in self.model_fields_set and (path := expanded(self.paths[0])).suffix.lower() == ".npy":
+            object.__setattr__(self, "levels", levels_of(path))
         return self
 
     @property

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import Belief, Cell, read_only
 from indoor_explorers.env.grid.cells import FREE, UNREACHABLE
 from indoor_explorers.env.grid.compiled import kernel, leaf
-from indoor_explorers.env.grid.levels import beside, degree
+from indoor_explorers.env.grid.levels import beside, degree, rise_of
 from indoor_explorers.env.search.bfs import flood
 from indoor_explorers.env.search.bitsets import bit_count
-from indoor_explorers.env.sensing.lidar import LidarModel, Scan, new_scan, rise_of, visible_cells
+from indoor_explorers.env.sensing.lidar import LidarModel, Scan, new_scan, visible_cells
 
 #: Cells along one side of a tile.
 TILE = 8
@@ -119,7 +119,7 @@ def _fill_table(
     """Return the table of :func:`visibility_table`; ``steps`` (H, W) and ``number`` (H*W,) as in :func:`_number`."""
     height, width = truth.shape
     cells = np.empty(truth.size, np.int32)
-    rise = rise_of(truth, lidar)
+    rise = rise_of(height, lidar.volume.levels)
     cells = cells[: _number(truth, starts, steps, cells, number, rise)].copy()
     neighbours = np.empty((cells.shape[0], degree(rise)), np.int32)
     _link((height, width), number, cells, neighbours, rise)

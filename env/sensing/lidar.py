@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
-from indoor_explorers.env.grid.compiled import inner, kernel, leaf
+from indoor_explorers.env.grid.compiled import kernel, leaf
 from indoor_explorers.env.sensing.marsexplorer import SAMPLES, directions, trace
 from indoor_explorers.env.sensing.shadowcasting import Quadrant, scan_quadrant
 from indoor_explorers.env.sensing.volume import scan_volume
@@ -70,12 +70,6 @@ def lidar_model(lidar_range: float, model: str = "exact", levels: int = 1, eleva
 def model_of(lidar: LidarModel | float) -> LidarModel:
     """Return a lidar given as its constants, or as its range on maps of one level."""
     return lidar if isinstance(lidar, LidarModel) else lidar_model(float(lidar))
-
-
-@inner()
-def rise_of(occupancy: np.ndarray, lidar: LidarModel) -> int:
-    """Return the rows of a plane (H, W) from a cell to the one a level higher, 0 for a lidar on one level."""
-    return (occupancy.shape[0] + 1) // lidar.volume.levels if lidar.volume.levels > 0 else 0
 
 
 @kernel()

@@ -17,6 +17,7 @@ import numpy as np
 
 from indoor_explorers.env.grid.cells import OCCUPIED
 from indoor_explorers.env.grid.compiled import inner, leaf
+from indoor_explorers.env.grid.levels import on_level, rise_of
 from indoor_explorers.env.sensing.volume_tables import AXES, BEHIND, COL, ENDS, LEVEL, ROW, STEP, STEPS, VolumeTables
 
 
@@ -92,26 +93,14 @@ def _add_obstacles(
             cell = base + col
             if cells[cell] != OCCUPIED:
                 continue
-            face = 3 * (number + col - begin)
-            if (
-                (
-                    level != 0
-                    and cells[cell - (strides[0] if level > 0 else -strides[0])] != OCCUPIED
-                    and _shows(cells, origin, strides, face, tables)
-                )
-                or (
-                    row != 0
-                    and cells[cell - (strides[1] if row > 0 else -strides[1])] != OCCUPIED
-                    and _shows(cells, origin, strides, face + 1, tables)
-                )
-                or (
-                    col != 0
-                    and cells[cell - (1 if col > 0 else -1)] != OCCUPIED
-                    and _shows(cells, origin, strides, face + 2, tables)
-                )
-            ):
-                out[seen] = cell
-                seen += 1
+            away, first = (level, row, col), 3 * (number + col - begin)
+            for axis in range(3):
+                stride = (strides[0], strides[1], 1)[axis] if away[axis] > 0 else -(strides[0], strides[1], 1)[axis]
+                faces_open = away[axis] != 0 and cells[cell - stride] != OCCUPIED
+                if faces_open and _shows(cells, origin, strides, first + axis, tables):
+                    out[seen] = cell
+                    seen += 1
+                    break
     return seen
 
 
@@ -122,6 +111,6 @@ def scan_volume(occupancy: np.ndarray, row: int, col: int, tables: VolumeTables,
     In ``occupancy`` (H, W) uint8, the plane of a volume, only ``OCCUPIED`` blocks. The own cell comes first, then those
     that are no obstacles, and each once.
     """
-    cells, rise = occupancy.reshape(occupancy.size), (occupancy.shape[0] + 1) // tables.levels
-    size, at = (tables.levels, rise - 1, occupancy.shape[1]), (row // rise, row % rise, col)
+    cells, rise = occupancy.reshape(occupancy.size), rise_of(occupancy.shape[0], tables.levels)
+    size, at = (tables.levels, rise - 1, occupancy.shape[1]), (*on_level(row, rise), col)
     return _add_obstacles(cells, size, at, tables, out, _add_free(cells, size, at, tables.tree, out))

@@ -8,22 +8,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from indoor_explorers.env.grid.cells import OCCUPIED, UNKNOWN
+from indoor_explorers.env.grid.cells import UNKNOWN
 from indoor_explorers.env.grid.compiled import inner
+from indoor_explorers.env.grid.levels import enter_between, offset, rise_of
 from indoor_explorers.env.scenarios.codes import RadioModel
-from indoor_explorers.env.simulation.radio import CELL_BYTES, in_contact, is_lost, join, learn, offset
+from indoor_explorers.env.simulation.radio import CELL_BYTES, in_contact, is_lost, join, learn
 from indoor_explorers.env.simulation.state import End, Rules, State
 
 FLYING, CUSTOM = int(End.FLYING), int(RadioModel.CUSTOM)
-
-
-@inner()
-def enter_floors(rules: Rules, belief: np.ndarray) -> None:
-    """Enter the rows of obstacles between the levels of a plane, which UAVs know from the start."""
-    if rules.levels > 1:
-        rise = (belief.shape[0] + 1) // rules.levels
-        for level in range(1, rules.levels):
-            belief[level * rise - 1, :] = OCCUPIED
 
 
 @inner()
@@ -34,7 +26,7 @@ def place_base(rules: Rules, state: State, b: int) -> None:
         state.base_cell[b, 0], state.base_cell[b, 1] = state.cell[b, 0, 0], state.cell[b, 0, 1]
     state.base_belief[b, :, :] = UNKNOWN
     if rules.base:
-        enter_floors(rules, state.base_belief[b])
+        enter_between(state.base_belief[b], rules.levels)
     state.base_known[b] = state.base_covered[b] = 0
     for n in range(state.end.shape[1]):
         state.base_merged[b, n] = state.base_sent[b, n] = 0
@@ -49,7 +41,7 @@ def _reaches(rules: Rules, state: State, b: int, agent: int) -> bool:
     base_row, base_col = state.base_cell[b, 0], state.base_cell[b, 1]
     if state.end[b, agent] != FLYING:
         return False
-    levels, rows, cols = offset(rules.levels, state.truth.shape[1], row, col, base_row, base_col)
+    levels, rows, cols = offset(row, col, base_row, base_col, rise_of(state.truth.shape[1], rules.levels))
     if levels * levels + rows * rows + cols * cols <= rules.base_radius * rules.base_radius + 1e-9:
         return True
     if rules.radio_model == CUSTOM or state.step[b] < state.silent_until[b, agent]:

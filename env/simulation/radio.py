@@ -15,7 +15,8 @@ from math import log10
 import numpy as np
 
 from indoor_explorers.env.grid.cells import UNKNOWN
-from indoor_explorers.env.grid.compiled import inner, leaf
+from indoor_explorers.env.grid.compiled import inner
+from indoor_explorers.env.grid.levels import offset, rise_of
 from indoor_explorers.env.grid.lines import walls_between
 from indoor_explorers.env.grid.randomness import uniform
 from indoor_explorers.env.scenarios.codes import RadioModel
@@ -28,19 +29,10 @@ POSITION_BYTES = 8
 NONE, SQUARE, DISC, LINE_OF_SIGHT, PATH_LOSS, UNLIMITED, CUSTOM, PATH_LOSS_IR2 = (int(model) for model in RadioModel)
 
 
-@leaf()
-def offset(count: int, height: int, row: int, col: int, to_row: int, to_col: int) -> tuple[int, int, int]:
-    """Return levels, rows and columns from one cell to another; ``height`` rows hold ``count`` levels."""
-    if count < 2:
-        return 0, to_row - row, to_col - col
-    rise = (height + 1) // count
-    return to_row // rise - row // rise, to_row % rise - row % rise, to_col - col
-
-
 @inner()
 def in_reach(rules: Rules, occupancy: np.ndarray, row: int, col: int, to_row: int, to_col: int) -> bool:
     """Tell whether the radios in two cells of a true map (H, W) reach each other, without random losses."""
-    levels, rows, cols = offset(rules.levels, occupancy.shape[0], row, col, to_row, to_col)
+    levels, rows, cols = offset(row, col, to_row, to_col, rise_of(occupancy.shape[0], rules.levels))
     model, reach = rules.radio_model, rules.radio_range
     if model == NONE:
         return False

@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import allocated
 from indoor_explorers.env.grid.cells import MOVES, OCCUPIED
 from indoor_explorers.env.grid.compiled import inner, kernel, leaf
+from indoor_explorers.env.grid.levels import enter_between
 from indoor_explorers.env.grid.randomness import Stream, below, stream_key, uniform
 from indoor_explorers.env.maps.generators.thesis import Room, draw_room
 from indoor_explorers.env.search.connected_parts import label_part, mark_largest_part
 from indoor_explorers.env.simulation.engine import Engine
-from indoor_explorers.env.simulation.home_base import enter_floors, place_base
+from indoor_explorers.env.simulation.home_base import place_base
 from indoor_explorers.env.simulation.path_loss import MOST_FADING
 from indoor_explorers.env.simulation.state import Rules, State
 from indoor_explorers.env.simulation.step import begin
@@ -121,11 +122,11 @@ def _clear(rules: Rules, state: State, b: int) -> None:
     state.step[b] = 0
     state.team_covered[b] = 0
     state.union[b, :, :] = 0
-    enter_floors(rules, state.union[b])
+    enter_between(state.union[b], rules.levels)  # which UAVs know from the start
     for n in range(state.end.shape[1]):
         state.end[b, n] = 0
         state.belief[b, n, :, :] = 0
-        enter_floors(rules, state.belief[b, n])
+        enter_between(state.belief[b, n], rules.levels)
         state.sensed[b, n, :, :] = False
         state.visited[b, n, :, :] = False
         state.discovery_log[b, n, :] = 0

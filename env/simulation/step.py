@@ -6,7 +6,7 @@ import numpy as np
 
 from indoor_explorers.env.grid.cells import OCCUPIED, UNKNOWN
 from indoor_explorers.env.grid.compiled import inner, kernel, leaf
-from indoor_explorers.env.grid.levels import beside, degree
+from indoor_explorers.env.grid.levels import beside, degree, rise_of
 from indoor_explorers.env.grid.randomness import shuffled
 from indoor_explorers.env.scenarios.codes import RadioModel, StuckRule
 from indoor_explorers.env.sensing.lidar import LidarModel, Scan, visible_cells
@@ -74,7 +74,8 @@ def move(rules: Rules, state: State, b: int, agent: int, action: int) -> bool:
     """Carry out one agent's action; return whether it now is in another cell."""
     if action == 4:
         return False
-    row, col = beside(state.cell[b, agent, 0], state.cell[b, agent, 1], action - (action > 4), rise_of(rules, state))
+    rise = rise_of(state.truth.shape[1], rules.levels)
+    row, col = beside(state.cell[b, agent, 0], state.cell[b, agent, 1], action - (action > 4), rise)
     if row < 0 or row >= state.truth.shape[1] or col < 0 or col >= state.truth.shape[2]:
         return _crash(rules, state, b, agent, OUT_OF_BOUNDS, rules.reward_out_of_bounds)
     if state.truth[b, row, col] == OCCUPIED:
@@ -138,15 +139,9 @@ def finish_step(rules: Rules, state: State, b: int) -> None:
 
 
 @inner()
-def rise_of(rules: Rules, state: State) -> int:
-    """Return the rows from a cell to the one a level higher; 0 where there is one level."""
-    return (state.truth.shape[1] + 1) // rules.levels if rules.levels > 1 else 0
-
-
-@inner()
 def update_legal(rules: Rules, state: State, b: int, agent: int, occupancy: np.ndarray) -> None:
     """Set which moves from where an agent believes to be end neither off a map (H, W) nor in an obstacle of it."""
-    (height, width), rise = occupancy.shape, rise_of(rules, state)
+    (height, width), rise = occupancy.shape, rise_of(occupancy.shape[0], rules.levels)
     for k in range(degree(rise)):
         row, col = beside(state.believed_cell[b, agent, 0], state.believed_cell[b, agent, 1], k, rise)
         inside = 0 <= row < height and 0 <= col < width

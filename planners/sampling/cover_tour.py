@@ -14,7 +14,7 @@ from indoor_explorers.env.policies.policy import Pilot
 from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.search.frontiers import frontier_mask
-from indoor_explorers.env.sensing.lidar import LidarModel, lidar_model
+from indoor_explorers.env.sensing.lidar import LidarModel
 from indoor_explorers.planners.sampling.cover_tours import CoverParameters
 from indoor_explorers.planners.sampling.points import extent
 from indoor_explorers.planners.sampling.viewpoints import ViewpointPilot, ViewpointPolicy, Viewpoints
@@ -65,9 +65,7 @@ class CoverTourPilot(ViewpointPilot):
         self.replan_period = policy.period * briefing.lidar_range
         self._rate = 0.0 if policy.as_published else policy.discount_rate / briefing.lidar_range
         self._lattice = lattice(briefing.shape, max(1, round(policy.spacing * briefing.lidar_range)), self.paths.rise)
-        elevation = briefing.scenario.lidar.elevation
-        reach = policy.reach * briefing.lidar_range
-        self._near = lidar_model(float(reach), levels=max(1, self.lidar.volume.levels), elevation=elevation)
+        self._near = self.lidar_of(float(policy.reach * briefing.lidar_range))
 
     def viewpoint(self, view: View) -> Cell | None:
         """Return the first stop of the best tour."""

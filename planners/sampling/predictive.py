@@ -47,12 +47,7 @@ class RrtPredictivePilot(RrtFrontierPilot):
         self._candidate_outlook = CandidateOutlook(briefing)
 
     def judged(self, view: View, cells: NDArray[np.int32]) -> Viewpoints:
-        """Return the viewpoints among (K,) flat cells: reachable, not banned or deferred, and with a gain.
-
-        On maps of several levels, which the network does not know, none is deferred and all have the same outlook.
-        """
+        """Return the viewpoints among (K,) flat cells: reachable, not banned or deferred, and with a gain."""
         found = super().judged(view, cells)
-        if self.paths.rise > 0:
-            return found
         chances = self._candidate_outlook.chances(view, found.cells, self.steps_from(view, view.cell))
         return found._replace(gains=found.gains * chances).selected(chances > 0.0)

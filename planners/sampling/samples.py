@@ -7,7 +7,7 @@ import numpy as np
 from indoor_explorers.env.grid.arrays import Belief, Cell
 from indoor_explorers.env.grid.cells import FREE, UNKNOWN
 from indoor_explorers.env.grid.compiled import kernel
-from indoor_explorers.env.grid.levels import beside, degree
+from indoor_explorers.env.grid.levels import beside, degree, offset
 from indoor_explorers.planners.sampling.points import Points, centre, extent, points_in
 
 
@@ -61,9 +61,7 @@ def merged(cells: np.ndarray, distance: float, width: int, most: int, rise: int 
         row, col = divmod(cells[k], width)
         apart = True
         for j in range(size):
-            other, cols = cells[kept[j]] // width, col - cells[kept[j]] % width
-            levels = row // rise - other // rise if rise > 0 else 0
-            rows = row - other - levels * rise
+            levels, rows, cols = offset(cells[kept[j]] // width, cells[kept[j]] % width, row, col, rise)
             apart &= levels * levels + rows * rows + cols * cols >= distance * distance
         if apart:
             kept[size] = k

@@ -42,10 +42,5 @@ class PsoPredictivePilot(PsoPilot):
         self._candidate_outlook = CandidateOutlook(briefing)
 
     def chances(self, view: View, cells: Cells, field: Distances) -> NDArray[np.float64]:
-        """Return the probability that each of (K,) flat cells leads to unknown free cells, 0 where it can wait.
-
-        On maps of several levels, which the network does not know, it is 1 for all.
-        """
-        if self.paths.rise > 0:
-            return super().chances(view, cells, field)
+        """Return the probability that each of (K,) flat cells leads to unknown free cells, 0 where it can wait."""
         return self._candidate_outlook.chances(view, cells, field)

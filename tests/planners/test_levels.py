@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from indoor_explorers.env import World, make_policy, scenario
+from tests.planners.flights import fly_preset
 
 TASK = scenario("small-storeys").for_evaluation()
 CHANGE = (
@@ -17,12 +18,7 @@ CHANGE = (
 
 def flown(name, seed, **parameters):
     """The world at the end of an episode."""
-    world, policy = World(TASK), make_policy(name, **parameters)
-    world.reset([seed])
-    pilots = [policy.pilot(world.briefing(0, n, privileged=policy.privileged)) for n in range(2)]
-    while world.flying.any():
-        world.step([[pilot.act(world.view(0, n)) for n, pilot in enumerate(pilots)]])
-    return world
+    return fly_preset(make_policy(name, **parameters), TASK.name, seed, team=2)[0]
 
 
 def levels_of(world):

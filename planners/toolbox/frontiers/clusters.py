@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import Belief, Distances
 from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.grid.compiled import inner, kernel
+from indoor_explorers.env.grid.levels import on_level
 from indoor_explorers.env.search.frontiers import frontier_mask
 
 #: A cluster is split while a cell is farther than this share of the lidar range from its mean.
@@ -79,8 +80,8 @@ class Moments(NamedTuple):
 @inner()
 def _place(cell: int, width: int, rise: int) -> tuple[int, int, int]:
     """Return the level, row and column of a flat cell; level 0 where there is one."""
-    row, col = divmod(cell, width)
-    return (row // rise, row % rise, col) if rise > 0 else (0, row, col)
+    level, row = on_level(cell // width, rise)
+    return level, row, cell % width
 
 
 @kernel(entry=False)

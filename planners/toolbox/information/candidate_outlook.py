@@ -21,7 +21,7 @@ class CandidateOutlook:
     """
 
     def __init__(self, briefing: Briefing) -> None:
-        self._range = float(briefing.lidar_range)
+        self._range, self._levels = float(briefing.lidar_range), briefing.level_count
         self._estimator = PocketEstimator(self._range, changed=CHANGED if briefing.team == 1 else 0)
         self._judge = ClusterJudge(briefing, OutlookParameters())
 
@@ -29,8 +29,11 @@ class CandidateOutlook:
         """Return the probability that each of (K,) flat cells leads to unknown free cells, (K,).
 
         It is 0 for candidates of deferred clusters, unless there are no others in reach. ``field`` (H, W) are the steps
-        from the UAV, or from the nearest one of a group.
+        from the UAV, or from the nearest one of a group. On maps of several levels, which the network does not know, it
+        is 1 for all.
         """
+        if self._levels > 1:
+            return np.ones(len(cells))
         clusters = frontier_clusters(view.belief, self._range)
         if clusters.size == 0 or len(cells) == 0:
             return np.ones(len(cells))

@@ -10,14 +10,13 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import Belief, Distances
 from indoor_explorers.env.grid.cells import FREE, UNKNOWN, UNREACHABLE
 from indoor_explorers.env.grid.compiled import kernel, leaf
-from indoor_explorers.env.grid.levels import beside, degree
+from indoor_explorers.env.grid.levels import beside, degree, rise_of
 from indoor_explorers.env.search.bfs import flood, flood_nearby
 from indoor_explorers.env.sensing.lidar import (
     LidarModel,
     Scan,
     model_of,
     new_scan,
-    rise_of,
     unknown_in_view,
     visible_cells,
 )
@@ -93,7 +92,7 @@ def candidate_views(
     A view gain is the sum of the weights of the unknown cells in view; unknown cells are transparent.
     """
     depth, mark = np.empty(belief.shape, np.int32), np.empty(belief.size, np.int32)
-    depths(belief, mark, depth, rise_of(belief, lidar))
+    depths(belief, mark, depth, rise_of(belief.shape[0], lidar.volume.levels))
     lists, sizes, value = _visible_unknown(belief, cells, depth, weight, lidar, new_scan(lidar))
     count = cells.shape[0]
     shared = np.zeros((count, count))

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.grid.cells import UNKNOWN
 from indoor_explorers.env.grid.compiled import kernel, leaf
+from indoor_explorers.env.grid.levels import offset, rise_of
 from indoor_explorers.env.policies.renamed import renamed
-from indoor_explorers.env.sensing.lidar import LidarModel, Scan, model_of, new_scan, rise_of, visible_cells
+from indoor_explorers.env.sensing.lidar import LidarModel, Scan, model_of, new_scan, visible_cells
 
 
 @kernel()
@@ -101,15 +102,15 @@ def known_around(belief: np.ndarray, row: int, col: int) -> int:
 def _weighted(
     belief: np.ndarray, cell: int, depths: np.ndarray, isolation: float, lidar: LidarModel, scan: Scan
 ) -> float:
-    width, rise = belief.shape[1], rise_of(belief, lidar)
+    width, rise = belief.shape[1], rise_of(belief.shape[0], lidar.volume.levels)
     middle, levels = depths.shape[1] // 2, depths.shape[0] // 2
     row, col = divmod(cell, width)
     gain = 0.0
     for place in range(visible_cells(belief, row, col, lidar, scan)):
         r, c = divmod(scan.cells[place], width)
         if belief[r, c] == UNKNOWN:
-            level = r // rise - row // rise if rise > 0 else 0
-            gain += depths[levels + level, r - row - level * rise + middle, c - col + middle] * (
+            up, down, right = offset(row, col, r, c, rise)
+            gain += depths[up + levels, down + middle, right + middle] * (
                 1.0 + isolation * (known_around(belief, r, c) / AROUND)
             )
     return gain
@@ -185,7 +186,7 @@ class WeightedGains:
         self._depths = np.exp(-np.hypot(np.hypot(away[:, None], away), levels) / (decay_length * lidar.range))
         self._isolation = float(isolation)
         self._reach = reach + NEIGHBOURHOOD
-        self._rise = (shape[0] + 1) // lidar.volume.levels if lidar.volume.levels else 0
+        self._rise = rise_of(shape[0], lidar.volume.levels)
         self._belief = np.zeros(shape, np.uint8)
         self._gains = np.full(shape, STALE)
 

@@ -36,7 +36,7 @@ from indoor_explorers.env.policies.policy import Pilot
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.search.frontiers import on_frontier
 from indoor_explorers.env.sensing.inverse_model import HIT
-from indoor_explorers.env.sensing.lidar import lidar_model
+from indoor_explorers.env.sensing.lidar import LidarModel, lidar_model
 from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters, frontier_clusters
 from indoor_explorers.planners.toolbox.navigation.map_sharing import MapSharing
 from indoor_explorers.planners.toolbox.navigation.navigator import Navigator
@@ -69,8 +69,7 @@ class GoalPilot(Pilot):
         self.rng = briefing.rng
         self.navigator = Navigator(briefing, straight=self.straight, rise=briefing.rise if self.changes_levels else 0)
         self.paths = self.navigator.paths
-        levels, elevation = briefing.level_count if self.changes_levels else 1, briefing.scenario.lidar.elevation
-        self.lidar = lidar_model(float(briefing.lidar_range), "exact", levels, elevation)
+        self.lidar = self.lidar_of(float(briefing.lidar_range))
         """The lidar by which views are planned: over all levels, or over the UAV's own."""
         self.plans = 0
         """Number of goals chosen so far."""
@@ -80,6 +79,11 @@ class GoalPilot(Pilot):
         self._chosen_at, self._supposed = 0, dict[int, Cell]()
         self._candidates_kept: tuple[Candidate, ...] = ()
         self._score_kept = ""
+
+    def lidar_of(self, reach: float) -> LidarModel:
+        """Return the UAV's lidar with another range, in cells."""
+        levels = self.briefing.level_count if self.changes_levels else 1
+        return lidar_model(reach, "exact", levels, self.briefing.scenario.lidar.elevation)
 
     def clusters(self, view: View) -> Clusters:
         """Return the frontier clusters of a view, on all levels or on the UAV's own ones."""
