@@ -93,7 +93,7 @@ def _add_obstacles(
             cell = base + col
             if cells[cell] != OCCUPIED:
                 continue
-            away, first = (level, row, col), 3 * (number + col - begin)
+            away, first = (np.int64(level), np.int64(row), np.int64(col)), 3 * (number + col - begin)
             for axis in range(3):
                 stride = (strides[0], strides[1], 1)[axis] if away[axis] > 0 else -(strides[0], strides[1], 1)[axis]
                 faces_open = away[axis] != 0 and cells[cell - stride] != OCCUPIED
