@@ -28,7 +28,7 @@ class ObservingPilot(Pilot):
     def __init__(self, briefing: Briefing, observation: ObservationConfig, prior: MapPrior, *, guard: bool) -> None:
         layout = observation_layout(observation)
         self._context = observation_context(observation, briefing.shape, briefing.scenario, prior)
-        self._memory = new_memory(1, briefing.shape, observation)
+        self._memory = new_memory(1, briefing.shape, observation, briefing.team)
         self._scene = np.zeros((1, layout.scene), np.uint8)
         self.scenes = np.zeros((1, layout.inputs), np.uint8)
         self.moves = np.zeros((1, 4, layout.features), np.float32)

@@ -49,6 +49,10 @@ class Dddqn(RecordedWeights, Policy):
     tour_width: int | None = None
     """Beam width of the search for tours: a wider beam finds shorter tours and takes longer; None: the width stored
     with the weights. Without effect on networks without tour features."""
+    division: bool | None = None
+    """Whether teammates in a room leave each other parts with equally long tours, and keep to that division without
+    contact; else cells are left to the UAV that was closer when last heard. None: as stored with the weights, which is
+    off in all shipped ones. Without effect on networks without tour features."""
     network: bool = True
     """Whether the network values moves; without it the UAV follows the planner features alone, from which training
     starts: the shortest tour that was found, or the cheapest order of places."""
@@ -127,9 +131,9 @@ class Dddqn(RecordedWeights, Policy):
         if places is not None and name == LARGE:
             return places.pilot(briefing)
         loaded = load_weights(self._paths()[name])
-        if self.tour_width is not None:
-            wide = loaded.observation.model_copy(update={"tour_width": self.tour_width})
-            loaded = loaded._replace(observation=wide)
+        changed = {"tour_width": self.tour_width, "division": self.division}
+        changed = {name: value for name, value in changed.items() if value is not None}
+        loaded = loaded._replace(observation=loaded.observation.model_copy(update=changed))
         if not self.network:
             loaded = loaded._replace(weights=without_network(loaded.weights, loaded.layout))
         return DddqnPilot(briefing, loaded, guard=self.guard, other_range=self.is_outside_training(briefing))

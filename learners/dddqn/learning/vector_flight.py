@@ -43,7 +43,7 @@ class VectorFlight:
         self._next_seed = next_seed
         self._begin(list(range(episodes)))
         self.shape: tuple[int, int] = self.world.state.truth.shape[1:]
-        self.memory = new_memory(self.columns, self.shape, observation)
+        self.memory = new_memory(self.columns, self.shape, observation, scenario.team)
         self._context = observation_context(observation, self.shape, scenario, prior)
         self._agent = np.tile(np.arange(scenario.team), episodes)
 

@@ -42,6 +42,9 @@ class ObservationConfig(Settings):
     """For each move: the tours that a beam search finds behind it, in rooms of up to 16x16 cells."""
     tour_width: int = Field(8, ge=1, le=WIDEST)
     """Width of this beam: a wider one finds shorter tours and takes longer."""
+    division: bool = False
+    """Tours leave to linked teammates parts of the room with equally long tours, and keep to that division without
+    contact (:mod:`indoor_explorers.learners.dddqn.observation.division`); else the cells that those are closer to."""
     prospects: bool = False
     """For each move, on maps of any size: how far it is behind the move to the best candidate viewpoint, by view gain
     and path length; once with plain gains and once with isolated cells weighted more."""

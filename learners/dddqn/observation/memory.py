@@ -18,7 +18,7 @@ from indoor_explorers.learners.dddqn.observation.layout import PROSPECTS
 STALE, SPENT = -1, -2
 #: Value of each array at the beginning of an episode; the others are overwritten before they are read.
 START = {
-    **dict.fromkeys(("noted", "visits", "looks", "barred", "pushes", "gained", "idle", "nearest"), 0),
+    **dict.fromkeys(("noted", "visits", "looks", "barred", "pushes", "gained", "idle", "nearest", "theirs"), 0),
     **{"aimed": -1, "chance": 255, "gain": STALE, "prospect": -1, "obstacles": 255, "tour": -1},
 }
 #: Length of the longest tour that is kept, in cells.
@@ -56,6 +56,8 @@ class ObservationMemory(NamedTuple):
     """(C, R, 4) neighbours of each cell that are not obstacles, known or assumed; -1 for none."""
     tour: NDArray[np.int64]
     """(C, 2, 41) the remaining cells of the best tours found so far, to the goal and to 90 %; -1 after the last."""
+    theirs: NDArray[np.uint64]
+    """(C, M, 4) bit set of the cells that each teammate got in the last division with it; M = 0 without division."""
     gained: NDArray[np.int64]
     """(C,) cells discovered by the UAV's own lidar so far."""
     idle: NDArray[np.int64]
@@ -76,7 +78,9 @@ class ObservationMemory(NamedTuple):
         self.aimed[...] = np.where(inside, row * width + col, -1)
 
 
-def new_memory(columns: int, shape: tuple[int, int], observation: ObservationConfig) -> ObservationMemory:
+def new_memory(
+    columns: int, shape: tuple[int, int], observation: ObservationConfig, team: int = 1
+) -> ObservationMemory:
     """Allocate the memory of ``columns`` UAVs on (H, W) maps, with that of tours if the map is small enough."""
     room = STRIDE * ROOM if observation.tours and max(shape) <= ROOM else 0
     cells, single = (columns, *shape), (columns,)
@@ -95,6 +99,7 @@ def new_memory(columns: int, shape: tuple[int, int], observation: ObservationCon
         views=np.zeros((columns, room, WORDS), np.uint64),
         passages=np.zeros((columns, room, 4), np.int32),
         tour=np.empty((columns, 2, LONGEST + 1), np.int64),
+        theirs=np.zeros((columns, team * observation.division, WORDS), np.uint64),
         gained=np.empty(single, np.int64),
         idle=np.empty(single, np.int64),
         nearest=np.empty(single, np.int64),

@@ -66,7 +66,7 @@ def observation_context(
 ) -> ObservationContext:
     """Return the context of observations on (H, W) maps of a scenario."""
     lidar = sensor(scenario.lidar.range)
-    tours = new_tour_scratch(shape, scenario, config.tour_width)
+    tours = new_tour_scratch(shape, scenario, config.tour_width, division=config.division)
     return ObservationContext(
         observation_layout(config), lidar, scratch(shape, lidar), tours, new_candidate_scratch(shape), prior
     )

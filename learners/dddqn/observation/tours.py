@@ -2,8 +2,9 @@
 
 The search plans on the optimistic map (:mod:`~indoor_explorers.learners.dddqn.observation.map_prior`). Its tours
 need not view cells that are probably obstacles by the map prior, as long as other cells are left. Likewise they leave a
-cell to a teammate that was closer to it when last heard (at equal distance to the lower number), and a cell in the
-sector of a teammate that was never heard, in scenarios whose radio seldom connects the team at the start.
+cell to a teammate that was closer to it when last heard (at equal distance to the lower number), or that got it in a
+division (:mod:`~indoor_explorers.learners.dddqn.observation.division`), and a cell in the sector of a teammate that was
+never heard, in scenarios whose radio seldom connects the team at the start.
 """
 
 from __future__ import annotations
@@ -16,8 +17,9 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.cells import FREE, MOVES, UNKNOWN
 from indoor_explorers.env.grid.compiled import inner, leaf
 from indoor_explorers.env.scenarios.scenario import Scenario
-from indoor_explorers.env.search.bitsets import ROOM, STRIDE, WORDS, board_size, remove
+from indoor_explorers.env.search.bitsets import ROOM, STRIDE, WORDS, board_size, holds, remove
 from indoor_explorers.learners.dddqn.observation.beam import Aim, Beam, Tour, follow_tour, new_beam, shortest_tour
+from indoor_explorers.learners.dddqn.observation.division import DivisionScratch, divide, new_division
 from indoor_explorers.learners.dddqn.observation.layout import BEYOND, DELAYS, TOURS
 from indoor_explorers.learners.dddqn.observation.memory import LONGEST
 from indoor_explorers.learners.dddqn.observation.uav import Uav
@@ -72,10 +74,12 @@ class TourScratch(NamedTuple):
     """(3,) the minima over all moves."""
     sector: np.ndarray
     """(H, W) number of the UAV in whose sector a cell lies, -1 without sectors; empty on larger maps."""
+    division: DivisionScratch
+    """The working arrays of the division among teammates."""
 
 
-def new_tour_scratch(shape: tuple[int, int], scenario: Scenario, width: int) -> TourScratch:
-    """Allocate the working arrays for maps of (H, W) cells and a beam of ``width`` states."""
+def new_tour_scratch(shape: tuple[int, int], scenario: Scenario, width: int, *, division: bool) -> TourScratch:
+    """Allocate the working arrays for maps of (H, W) cells and a beam of ``width`` states; ``division`` among mates."""
     return TourScratch(
         beam=new_beam(width),
         attainable=np.zeros(WORDS, np.uint64),
@@ -87,6 +91,7 @@ def new_tour_scratch(shape: tuple[int, int], scenario: Scenario, width: int) -> 
         paths=np.zeros((4, 2, LONGEST + 1), np.int64),
         least=np.zeros(3),
         sector=sectors(shape, scenario) if max(shape) <= ROOM else np.empty((0, 0), np.int64),
+        division=new_division(scenario.team * division),
     )
 
 
@@ -106,11 +111,24 @@ def sectors(shape: tuple[int, int], scenario: Scenario) -> NDArray[np.int64]:
 
 
 @inner()
-def _is_a_mates(uav: Uav, r: int, c: int, sector: np.ndarray) -> bool:
-    """Tell whether (r, c) is left to a teammate: one closer when last heard, or one never heard, in its sector."""
-    owner, agent, ages, mates = sector[r, c], uav.agent, uav.ages, uav.mates
+def _divides(scratch: TourScratch) -> bool:
+    return bool(scratch.division.first.shape[0] > 0)
+
+
+@inner()
+def _rest(total: float) -> float:
+    """Return the number of cells that tours to the goal may leave unseen, of so many free cells."""
+    return GOAL_REST * total + SLACK
+
+
+@inner()
+def _is_a_mates(uav: Uav, r: int, c: int, scratch: TourScratch) -> bool:
+    """Tell whether (r, c) is left to a teammate: one that got it or was closer, or one never heard, in its sector."""
+    owner, agent, ages, mates = scratch.sector[r, c], uav.agent, uav.ages, uav.mates
     if owner >= 0 and owner != agent and ages[owner] < 0:
         return True
+    if _divides(scratch):
+        return holds(scratch.division.left, r * STRIDE + c)
     own = abs(uav.row - r) + abs(uav.col - c)
     for m in range(ages.shape[0]):
         if ages[m] >= 0 and abs(mates[m, 0] - r) + abs(mates[m, 1] - c) < own + (m < agent):
@@ -119,16 +137,18 @@ def _is_a_mates(uav: Uav, r: int, c: int, sector: np.ndarray) -> bool:
 
 
 @leaf(entry=False)
-def _wanted(uav: Uav, sector: np.ndarray, out: np.ndarray, stage: int) -> int:
-    """Remove cells from ``out`` (4,) and return how many remain.
+def _write_unseen(uav: Uav, scratch: TourScratch, stage: int) -> int:
+    """Write the cells that tours have to view at a stage and return their number.
 
-    Removes known cells; from stage 1 on also unlikely ones; at stage 2 also those left to teammates.
+    Without known cells; from stage 1 on also without unlikely ones; at stage 2 also without those left to teammates.
     """
-    belief, chance = uav.belief, uav.chance
+    belief, chance, out = uav.belief, uav.chance, scratch.unseen
+    for w in range(WORDS):
+        out[w] = scratch.attainable[w]
     for r in range(belief.shape[0]):
         for c in range(belief.shape[1]):
             left_out = belief[r, c] != UNKNOWN or (stage > 0 and chance[r, c] < LIKELY)
-            if left_out or (stage > 1 and _is_a_mates(uav, r, c, sector)):
+            if left_out or (stage > 1 and _is_a_mates(uav, r, c, scratch)):
                 remove(out, r * STRIDE + c)
     return board_size((out[0], out[1], out[2], out[3]))
 
@@ -143,17 +163,32 @@ def _free(belief: np.ndarray) -> int:
 
 
 @leaf(entry=False)
-def _choose_unseen(uav: Uav, scratch: TourScratch) -> tuple[int, float]:
-    """Write the cells that tours have to view; return their number and the estimated number of free cells in all."""
-    left, total, free, unseen = 0, 0.0, _free(uav.belief), scratch.unseen
+def _divided(uav: Uav, scratch: TourScratch, isolation: float) -> tuple[float, float]:
+    """Divide the unseen cells; return the estimated number of free cells in all, and the own share of the rest.
+
+    The number is 0 where no teammate was heard.
+    """
+    total = float(_free(uav.belief) + _write_unseen(uav, scratch, 1))
+    aim = Aim(_rest(total), 0.0, isolation)
+    share = divide(uav, scratch.division, scratch.unseen, aim, scratch.queue, scratch.steps)
+    return total if share < 1.0 else 0.0, share
+
+
+@leaf(entry=False)
+def _choose_unseen(uav: Uav, scratch: TourScratch, isolation: float) -> tuple[int, float, float]:
+    """Write the cells that tours have to view.
+
+    Returns their number, the estimated number of free cells in all, and the UAV's share of the cells that may stay
+    unseen: below 1 in its own part of a division.
+    """
+    everything, share = _divided(uav, scratch, isolation) if _divides(scratch) else (0.0, 1.0)
+    left, total, free = 0, 0.0, _free(uav.belief)
     for stage in (2, 1, 0):
-        for w in range(WORDS):
-            unseen[w] = scratch.attainable[w]
-        left = _wanted(uav, scratch.sector, unseen, stage)
-        total = float(free + left)
-        if left > GOAL_REST * total + SLACK:
+        left = _write_unseen(uav, scratch, stage)
+        total, share = max(float(free + left), everything), share if stage == 2 else 1.0
+        if left > _rest(total) * share:
             break
-    return left, total
+    return left, total, share
 
 
 @leaf(entry=False)
@@ -237,9 +272,10 @@ def write_tours(uav: Uav, scratch: TourScratch, obstructed: bool, blocked: np.nd
     views, passages, kept = uav.views, uav.passages, uav.tour
     at = uav.row * STRIDE + uav.col
     attainable(at, views, passages, scratch.queue, scratch.steps, scratch.attainable)
-    left, total = _choose_unseen(uav, scratch)
-    rest, halfway = GOAL_REST * total + SLACK, HALFWAY_REST * total
-    early, isolation = left > halfway, ISOLATION if obstructed else OPEN_ISOLATION
+    isolation = ISOLATION if obstructed else OPEN_ISOLATION
+    left, total, share = _choose_unseen(uav, scratch, isolation)
+    rest, halfway = _rest(total) * share, HALFWAY_REST * total * share
+    early = left > halfway
     goal_aim = Aim(rest if left > rest else 0.0, halfway, isolation)
     mark_aim = Aim(halfway, halfway, isolation * HALFWAY_ISOLATION)
     found, least = scratch.found, scratch.least

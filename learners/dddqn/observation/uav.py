@@ -66,6 +66,8 @@ class Uav(NamedTuple):
     """(R, 4)."""
     tour: np.ndarray
     """(2, 41)."""
+    theirs: np.ndarray
+    """(M, 4), or (0, 4)."""
     aimed: np.ndarray
     """(1,); so all that follow."""
     looks: np.ndarray
@@ -100,6 +102,7 @@ def uav_of(known: Known, memory: ObservationMemory, i: int) -> Uav:
         memory.views[i],
         memory.passages[i],
         memory.tour[i],
+        memory.theirs[i],
         memory.aimed[i : i + 1],
         memory.looks[i : i + 1],
         memory.pushes[i : i + 1],
