@@ -111,11 +111,6 @@ def sectors(shape: tuple[int, int], scenario: Scenario) -> NDArray[np.int64]:
 
 
 @inner()
-def _divides(scratch: TourScratch) -> bool:
-    return bool(scratch.division.first.shape[0] > 0)
-
-
-@inner()
 def _rest(total: float) -> float:
     """Return the number of cells that tours to the goal may leave unseen, of so many free cells."""
     return GOAL_REST * total + SLACK
@@ -127,7 +122,7 @@ def _is_a_mates(uav: Uav, r: int, c: int, scratch: TourScratch) -> bool:
     owner, agent, ages, mates = scratch.sector[r, c], uav.agent, uav.ages, uav.mates
     if owner >= 0 and owner != agent and ages[owner] < 0:
         return True
-    if _divides(scratch):
+    if scratch.division.first.shape[0] > 0:
         return holds(scratch.division.left, r * STRIDE + c)
     own = abs(uav.row - r) + abs(uav.col - c)
     for m in range(ages.shape[0]):
@@ -181,7 +176,7 @@ def _choose_unseen(uav: Uav, scratch: TourScratch, isolation: float) -> tuple[in
     Returns their number, the estimated number of free cells in all, and the UAV's share of the cells that may stay
     unseen: below 1 in its own part of a division.
     """
-    everything, share = _divided(uav, scratch, isolation) if _divides(scratch) else (0.0, 1.0)
+    everything, share = _divided(uav, scratch, isolation) if scratch.division.first.shape[0] > 0 else (0.0, 1.0)
     left, total, free = 0, 0.0, _free(uav.belief)
     for stage in (2, 1, 0):
         left = _write_unseen(uav, scratch, stage)

@@ -198,6 +198,22 @@ def test_tours_are_searched_as_wide_as_asked(tmp_path: Path) -> None:
             Dddqn(weights=plain, tour_width=wrong)  # type: ignore[arg-type]
 
 
+def test_division_is_off_with_shipped_weights_and_replaces_what_is_stored(tmp_path):
+    room = PRESETS["thesis-team-2-radio-unlimited"]
+    world = World(room)
+    world.reset([3])
+    stored = write_network(tmp_path / "stored.safetensors", 1, ObservationConfig(division=True))
+    for policy, parts in (
+        (Dddqn(), 0),
+        (Dddqn(division=True), 2),
+        (Dddqn(weights=stored), 2),
+        (Dddqn(weights=stored, division=False), 0),
+    ):
+        pilot = policy.pilot(world.briefing(0, 0))
+        assert isinstance(pilot, DddqnPilot)
+        assert pilot._memory.theirs.shape == (1, parts, 4)
+
+
 def test_a_trainings_folder_is_opened(tmp_path: Path) -> None:
     write_network(tmp_path / "weights.safetensors", 1)
     policy = make_policy(f"dddqn:{tmp_path}", guard=False)
