@@ -1,7 +1,7 @@
 """Division of the unseen cells among teammates in small rooms, so that their tours take about equally long.
 
 A cell goes to the linked UAV that can view it first, counted from a start that is delayed where the UAV's tour is long:
-an additively weighted Voronoi partition (Okabe et al., Spatial Tessellations, 2nd ed. 2000, section 3.1.2) whose
+an additively weighted Voronoi partition (Okabe et al., Spatial Tessellations, 2nd ed. 2000, chapter 3) whose
 weights are adapted to the lengths of the tours that a beam search finds; the longest tour decides when the team has
 finished (min-max, Arkin, Hassin and Levin 2006, doi:10.1016/j.jalgor.2005.01.007). Linked UAVs share their maps and
 positions, so each finds the same division by itself. What a teammate was given is left to it, after contact is lost as
