@@ -11,6 +11,9 @@ from typing import TypeVar
 
 from indoor_explorers.env.scenarios.seed_sets import SeedUse
 
+#: The file of a training's record in its folder.
+RECORD = "training.json"
+
 Seen = TypeVar("Seen")
 
 
@@ -32,6 +35,12 @@ def source_commit() -> str | None:
         return None
     commit = _git(here.parent, "rev-parse", "HEAD")
     return f"{commit} with uncommitted changes" if _git(here.parent, "status", "-uno", "--porcelain") else commit
+
+
+def record_of(weights: Path) -> Path:
+    """Return the path of the record of the training that made a weights file: that of shipped ones has their name."""
+    shipped = weights.with_suffix(".json")
+    return shipped if shipped.exists() else weights.parent / RECORD
 
 
 def recorded_maps(path: Path) -> dict[str, list[str]]:

@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.errors import InputError
-from indoor_explorers.env.files import expanded
 from indoor_explorers.env.grid.arrays import Cell, Mask
 from indoor_explorers.env.policies.policy import TRAINED_GOAL, Policy
 from indoor_explorers.env.policies.view import Briefing, View
@@ -21,6 +20,7 @@ from indoor_explorers.learners.attention.pilot import PATIENCE, NodePilot
 from indoor_explorers.learners.sessions.record import RecordedWeights, digest_of
 from indoor_explorers.planners.toolbox.navigation.teammates import claims, remembered
 from indoor_explorers.planners.toolbox.networks.tensors import WEIGHTS
+from indoor_explorers.planners.toolbox.networks.weights_file import weights_path
 
 #: The weights that ship, by the seed of their training.
 SHIPPED = {seed: Path(__file__).parent / "weights" / f"attention-{seed}.safetensors" for seed in (1, 2, 3)}
@@ -130,10 +130,7 @@ class AttentionSac(RecordedWeights, Policy):
     @property
     def path(self) -> Path:
         """The path of the weights."""
-        if self.weights is None:
-            return SHIPPED[self.training]
-        given = expanded(self.weights)
-        return given / WEIGHTS if given.is_dir() else given
+        return weights_path(self.weights, SHIPPED[self.training], WEIGHTS)
 
     def pilot(self, briefing: Briefing) -> AttentionPilot:
         """Make the pilot of one UAV for one episode."""

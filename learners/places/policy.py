@@ -6,16 +6,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
-from indoor_explorers.env.files import expanded
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.policies.policy import Policy
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.env.provenance import joined, recorded_maps
+from indoor_explorers.env.provenance import joined, record_of, recorded_maps
 from indoor_explorers.learners.places.network import Loaded, load_weights, values, without_network
 from indoor_explorers.learners.places.scene import OTHERS, Observer, Scene
-from indoor_explorers.learners.sessions.record import digest_of, record_of
+from indoor_explorers.learners.sessions.record import digest_of
 from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
+from indoor_explorers.planners.toolbox.networks.weights_file import weights_path
 from indoor_explorers.planners.toolbox.parameters import bounded
+from indoor_explorers.planners.toolbox.pockets.estimates import SHIPPED as POCKETS
 from indoor_explorers.planners.toolbox.pockets.outlook import EstimateUser
 
 #: A goal is kept for this many lidar ranges of flight, unless it has no gain left before.
@@ -29,16 +30,17 @@ class PlacesPilot(GoalPilot):
         briefing: Briefing of the UAV.
         loaded: The network.
         sector: Preference for the own sector while teammates were never heard.
+        pocket_weights: File of the estimates' weights.
 
     """
 
     changes_levels: ClassVar[bool] = True
     straight = True
 
-    def __init__(self, briefing: Briefing, loaded: Loaded, sector: float = 0.0) -> None:
+    def __init__(self, briefing: Briefing, loaded: Loaded, sector: float = 0.0, pocket_weights: Path = POCKETS) -> None:
         super().__init__(briefing)
         self._loaded = loaded
-        self._observer = Observer(self, guess=loaded.guess, sector=sector)
+        self._observer = Observer(self, guess=loaded.guess, sector=sector, weights=pocket_weights)
         self.replan_period = self.steps_in(KEEP)
 
     def choose(self, view: View) -> Cell | None:
@@ -99,20 +101,19 @@ class DddqnPlaces(EstimateUser, Policy):
     """Preference for the UAV's own sector of the map while teammates were never heard; see :class:`OutOfContact`."""
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         load_weights(self.path)
 
     @property
     def path(self) -> Path:
         """The path of the weights."""
-        if self.weights is None:
-            return SHIPPED
-        given = expanded(self.weights)
-        return given / NAME if given.is_dir() else given
+        return weights_path(self.weights, SHIPPED, NAME)
 
     def pilot(self, briefing: Briefing) -> PlacesPilot:
         """Make the pilot of one UAV for one episode."""
         loaded = load_weights(self.path)
-        return PlacesPilot(briefing, loaded if self.network else without_network(loaded), self.sector)
+        network = loaded if self.network else without_network(loaded)
+        return PlacesPilot(briefing, network, self.sector, self.pocket_path)
 
     def provenance(self) -> dict[str, str]:
         """Return the hashes of the network's weights and of those of the estimates."""

@@ -3,8 +3,8 @@
 A training is a session around :class:`indoor_explorers.learners.pockets.train.PocketTraining`. It flies planners
 over maps that it draws, so it takes no scenario. The folder gets ``pockets.safetensors`` (the latest network),
 ``training.json`` (configuration, seed, versions, commits, loss of each epoch), ``checkpoint.safetensors`` (everything
-that a resumed training needs, beside the flights in ``flights/``), ``tensorboard/`` and, with the suite ``floors``,
-``validation.md`` (how good the estimates are on its validation part). The same seed gives the same weights, resumed
+that a resumed training needs, beside the flights in ``flights/``), ``tensorboard/`` and, with suites,
+``validation.md`` (how good the estimates are on their validation parts). The same seed gives the same weights, resumed
 or not.
 """
 
@@ -20,6 +20,7 @@ from typing import Any, Literal
 
 from pydantic import Field
 
+from indoor_explorers.env.files import write_whole
 from indoor_explorers.env.scenarios.suites.suite import Part
 from indoor_explorers.learners.pockets.examples import chosen_examples, read_examples, write_examples
 from indoor_explorers.learners.pockets.learning import PocketLearner
@@ -31,11 +32,9 @@ from indoor_explorers.learners.sessions.session import Session, Trainee, Trainin
 from indoor_explorers.learners.sessions.tensorboard import Scalars
 from indoor_explorers.learners.sessions.train import TrainingMethod
 from indoor_explorers.planners.toolbox.networks.weights_file import write_weights_file
+from indoor_explorers.planners.toolbox.pockets.estimates import NAME
 
 __all__ = ["DEFAULT_SCENARIO", "TrainingConfig", "train"]
-
-#: The file of the weights in the folder of a training.
-NAME = "pockets.safetensors"
 
 
 class TrainingConfig(MapSettings):
@@ -152,9 +151,9 @@ DEFAULT_SCENARIO = None
 def _trainee(config: TrainingConfig, scenario: None, seed: int, session: Session) -> Iterator[PocketTraining]:
     with Scalars(session):
         yield PocketTraining(config, seed, session.out, session.checkpoint)
-    if "floors" in config.suites:
-        table = as_table(judge(map_files("floors", Part.VALIDATION, config.folders), session.out / NAME))
-        (session.out / "validation.md").write_text(table, encoding="utf-8")
+    if config.suites:
+        maps = [map_files(name, Part.VALIDATION, config.folders) for name in config.suites]
+        write_whole(session.out / "validation.md", as_table(judge(maps, session.out / NAME)))
 
 
 train = TrainingMethod(partial(map_record, "pockets"), _trainee, weights=NAME)

@@ -14,14 +14,13 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.files import written_whole
-from indoor_explorers.env.provenance import joined, recorded_maps, source_commit, versions
+from indoor_explorers.env.provenance import RECORD, joined, record_of, recorded_maps, source_commit, versions
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.scenarios.seed_sets import SeedUse
 from indoor_explorers.env.scenarios.validation import validated
 from indoor_explorers.learners.sessions.seeds import recorded_seeds
 from indoor_explorers.learners.sessions.settings import LearnerSettings
 
-RECORD = "training.json"
 #: Packages that the result of any training depends on.
 PACKAGES = ("indoor-explorers", "numpy", "numba", "torch")
 
@@ -110,12 +109,6 @@ def write_record(record: TrainingRecord, folder: Path, results: Mapping[str, Any
     facts = {**record.model_dump(mode="json"), **results}
     with written_whole(folder / RECORD) as partial:
         partial.write_text(json.dumps(facts, indent=1) + "\n", encoding="utf-8")
-
-
-def record_of(weights: Path) -> Path:
-    """Return the path of the record of the training that made a weights file: that of shipped ones has their name."""
-    shipped = weights.with_suffix(".json")
-    return shipped if shipped.exists() else weights.parent / RECORD
 
 
 def digest_of(path: Path) -> str:

@@ -44,7 +44,7 @@ class PredictivePilot(LatencyPilot):
 
     def __init__(self, briefing: Briefing, policy: FrontierPredictive) -> None:
         super().__init__(briefing, policy)
-        self._estimator = PocketEstimator(briefing.lidar_range)
+        self._estimator = PocketEstimator(briefing.lidar_range, path=policy.pocket_path)
         self._judge = ClusterJudge(briefing, policy)
         self._aim = policy.aim
         self._expected = 0.0

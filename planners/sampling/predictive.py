@@ -42,9 +42,9 @@ class RrtPredictive(EstimateUser, RrtFrontier):
 class RrtPredictivePilot(RrtFrontierPilot):
     """Weigh the candidates by their outlook."""
 
-    def __init__(self, briefing: Briefing, policy: RrtFrontier) -> None:
+    def __init__(self, briefing: Briefing, policy: RrtPredictive) -> None:
         super().__init__(briefing, policy)
-        self._candidate_outlook = CandidateOutlook(briefing)
+        self._candidate_outlook = CandidateOutlook(briefing, policy.pocket_path)
 
     def judged(self, view: View, cells: NDArray[np.int32]) -> Viewpoints:
         """Return the viewpoints among (K,) flat cells: reachable, not banned or deferred, and with a gain."""

@@ -37,9 +37,9 @@ class PsoPredictive(EstimateUser, Pso):
 class PsoPredictivePilot(PsoPilot):
     """Weigh the candidates by their outlook."""
 
-    def __init__(self, briefing: Briefing, policy: Pso) -> None:
+    def __init__(self, briefing: Briefing, policy: PsoPredictive) -> None:
         super().__init__(briefing, policy)
-        self._candidate_outlook = CandidateOutlook(briefing)
+        self._candidate_outlook = CandidateOutlook(briefing, policy.pocket_path)
 
     def chances(self, view: View, cells: Cells, field: Distances) -> NDArray[np.float64]:
         """Return the probability that each of (K,) flat cells leads to unknown free cells, 0 where it can wait."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,7 +12,7 @@ from indoor_explorers.env.grid.cells import FREE, UNREACHABLE
 from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters, nearest_cells
-from indoor_explorers.planners.toolbox.pockets.estimates import CHANGED, PocketEstimator
+from indoor_explorers.planners.toolbox.pockets.estimates import CHANGED, SHIPPED, PocketEstimator
 from indoor_explorers.planners.toolbox.pockets.outlook import ClusterJudge, OutlookParameters
 
 
@@ -20,9 +22,9 @@ class CandidateOutlook:
     UAVs of a team that have the same map get the same numbers, so that each can compute the plan of all.
     """
 
-    def __init__(self, briefing: Briefing) -> None:
+    def __init__(self, briefing: Briefing, weights: Path = SHIPPED) -> None:
         self._range, self._levels = float(briefing.lidar_range), briefing.level_count
-        self._estimator = PocketEstimator(self._range, changed=CHANGED if briefing.team == 1 else 0)
+        self._estimator = PocketEstimator(self._range, changed=CHANGED if briefing.team == 1 else 0, path=weights)
         self._judge = ClusterJudge(briefing, OutlookParameters())
 
     def chances(self, view: View, cells: NDArray[np.int32], field: Distances) -> NDArray[np.float64]:

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.files import expanded
 from indoor_explorers.planners.toolbox.networks.tensors import read_tensors, write_tensors
 
 #: Name of the metadata entry, and its name in files of ``dddqn-thesis`` up to version 0.2.0.
@@ -25,6 +26,14 @@ ABOUT, FORMER_ABOUT = "about", "eye"
 MOST_BYTES = 1_000_000_000
 
 _T = TypeVar("_T")
+
+
+def weights_path(given: str | None, shipped: Path, name: str) -> Path:
+    """Return the path of weights: ``given``, in its file ``name`` if it is a training's folder, or else ``shipped``."""
+    if given is None:
+        return shipped
+    path = expanded(given)
+    return path / name if path.is_dir() else path
 
 
 class WeightsFile(NamedTuple):

@@ -28,6 +28,8 @@ from indoor_explorers.planners.toolbox.pockets.network import (
 
 #: The weights that ship.
 SHIPPED = Path(__file__).parent / "weights" / "pockets.safetensors"
+#: The file of the weights in the folder of a training.
+NAME = "pockets.safetensors"
 #: Cells of the coarse picture that may have changed for an estimate to be kept.
 CHANGED = 60
 #: Unknown free cells that are expected behind a cluster beyond the largest threshold, if that is exceeded.

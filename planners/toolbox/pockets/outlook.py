@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import hashlib
 from dataclasses import dataclass
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -16,22 +17,41 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Distances, Mask
 from indoor_explorers.env.policies.view import Briefing
-from indoor_explorers.env.provenance import recorded_maps
+from indoor_explorers.env.provenance import record_of, recorded_maps
+from indoor_explorers.planners.toolbox.networks.weights_file import weights_path
 from indoor_explorers.planners.toolbox.parameters import Parameters, bounded
-from indoor_explorers.planners.toolbox.pockets.estimates import SHIPPED, PocketEstimates
+from indoor_explorers.planners.toolbox.pockets.estimates import NAME, SHIPPED, PocketEstimates, load_weights
 from indoor_explorers.planners.toolbox.pockets.network import THRESHOLDS
 
 
-class EstimateUser:
-    """Provenance of the estimates, for the policies that use them."""
+@dataclass(frozen=True, kw_only=True)
+class EstimateUser(Parameters):
+    """The weights of the estimates and their provenance, for the policies that use them.
+
+    Raises:
+        InputError: ``pocket_weights`` is missing or not a file of this network.
+
+    """
+
+    pocket_weights: str | None = None
+    """Path of a training's folder, or of weights, of the network that estimates pockets; None: the shipped ones."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        load_weights(self.pocket_path)
+
+    @property
+    def pocket_path(self) -> Path:
+        """The path of the weights of the estimates."""
+        return weights_path(self.pocket_weights, SHIPPED, NAME)
 
     def provenance(self) -> dict[str, str]:
         """Return a hash of the estimates' weights."""
-        return {"pocket_weights": hashlib.sha256(SHIPPED.read_bytes()).hexdigest()[:16]}
+        return {"pocket_weights": hashlib.sha256(self.pocket_path.read_bytes()).hexdigest()[:16]}
 
     def seen_maps(self) -> dict[str, list[str]]:
         """Return the maps that the estimates were learned from."""
-        return recorded_maps(SHIPPED.with_suffix(".json"))
+        return recorded_maps(record_of(self.pocket_path))
 
 
 @dataclass(frozen=True, kw_only=True)
