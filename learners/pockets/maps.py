@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -12,7 +12,7 @@ import numpy as np
 from pydantic import BeforeValidator, Field
 from scipy import ndimage
 
-from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.errors import InputError, did_you_mean
 from indoor_explorers.env.files import expanded
 from indoor_explorers.env.grid.arrays import Mask
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED
@@ -30,7 +30,7 @@ from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.scenarios.seed_sets import SeedUse
 from indoor_explorers.env.scenarios.suites.catalogue import suite_of
 from indoor_explorers.env.scenarios.suites.clones import maps_of
-from indoor_explorers.env.scenarios.suites.suite import Part
+from indoor_explorers.env.scenarios.suites.suite import Part, Repository, SuiteMap
 from indoor_explorers.env.search.connected_parts import largest_part
 from indoor_explorers.learners.sessions.record import TrainingRecord, new_record
 from indoor_explorers.learners.sessions.settings import LearnerSettings
@@ -74,6 +74,8 @@ class TrainingMaps:
     """Share of maps from files, if there are any."""
     number: int = 0
     """Different maps; 0: every map is new."""
+    left_out: frozenset[str] = frozenset()
+    """Those of the files that generated maps take the place of; what is drawn instead of others stays the same."""
 
     def draw(self, rng: np.random.Generator) -> Floorplan:
         """Return a map; its name is ``GENERATED`` or that of its file.
@@ -93,7 +95,9 @@ class TrainingMaps:
 
     def _attempt(self, rng: np.random.Generator) -> Floorplan | None:
         if self.paths and rng.random() < self.real:
-            return varied(self.paths[rng.integers(len(self.paths))], rng)
+            path = self.paths[rng.integers(len(self.paths))]
+            if path not in self.left_out:
+                return varied(path, rng)
         free = random_generator(rng).draw(rng)
         if rng.random() < RAGGED:
             free = ragged(free, rng.uniform(0.0, RAGGEDNESS), rng)
@@ -193,6 +197,8 @@ class MapSettings(LearnerSettings):
     """Suites whose train parts to learn from, besides generated maps."""
     data: Names = Field((), exclude=True)
     """Folders with clones of the repositories of the suites; not part of the record."""
+    left_out: Names = ()
+    """Repositories of these suites whose maps to leave out, such as ``amrl_maps``; generated maps take their place."""
     map_count: int = Field(0, ge=0)
     """Different maps in the training; 0: each flight draws a new one."""
 
@@ -204,10 +210,28 @@ class MapSettings(LearnerSettings):
     def maps(self) -> TrainingMaps:
         """Return the training maps.
 
-        Raises :class:`InputError` where files are missing, or a suite generates its maps.
+        Raises :class:`InputError` where files are missing, a suite generates its maps, or none has what to leave out.
         """
-        files = [map_files(name, Part.TRAIN, self.folders) for name in self.suites]
-        return TrainingMaps(tuple(path for each in files for path in each.paths), number=self.map_count)
+        paths = [path for name in self.suites for path in map_files(name, Part.TRAIN, self.folders).paths]
+        return TrainingMaps(tuple(paths), number=self.map_count, left_out=self._left_out(paths))
+
+    def _left_out(self, paths: Sequence[str]) -> frozenset[str]:
+        homes = [home.name for home, _ in self._listed()] if self.left_out else []
+        for name in self.left_out:
+            if name not in homes:
+                known = f"repositories of {', '.join(self.suites)}"
+                raise InputError(f"expected {known} to leave out, got {name!r}{did_you_mean(name, homes)}")
+        return frozenset(path for path, home in zip(paths, homes, strict=bool(homes)) if home in self.left_out)
+
+    def seen_maps(self) -> tuple[str, ...]:
+        """Return what is learned from: parts of suites, or the digests of maps and layouts where some are left out."""
+        if not self.left_out:
+            return tuple(f"{name}/{Part.TRAIN}" for name in self.suites)
+        seen = (each for home, each in self._listed() if home.name not in self.left_out)
+        return tuple(dict.fromkeys(digest for each in seen for digest in (each.digest, each.layout)))
+
+    def _listed(self) -> Iterator[tuple[Repository, SuiteMap]]:
+        return (each for name in self.suites for each in suite_of(name).maps(Part.TRAIN))
 
 
 def map_record(learner: str, config: MapSettings, scenario: Scenario | None, seed: int) -> TrainingRecord:
@@ -219,5 +243,5 @@ def map_record(learner: str, config: MapSettings, scenario: Scenario | None, see
         raise InputError(f"learner {learner!r} draws its own maps and tasks, got scenario {scenario.name!r}; give none")
     config.maps()
     record = new_record(learner, config, None, seed, ("scipy",))
-    seen = tuple(f"{name}/{Part.TRAIN}" for name in config.suites)
+    seen = config.seen_maps()
     return record.model_copy(update={"seen_maps": {SeedUse.TRAINING: seen} if seen else {}})

@@ -164,6 +164,39 @@ def test_map_files_are_learned_from_and_recorded(tiny: Path, tmp_path: Path) -> 
         map_record("pockets", config, PRESETS["thesis-open"], 1)
 
 
+def test_maps_of_a_repository_are_left_out_and_other_maps_stay(tiny: Path) -> None:
+    chosen = {"suites": "tiny", "data": str(tiny)}
+    config = TrainingConfig.model_validate(chosen | {"left_out": "plans"})
+    assert config.maps().left_out == frozenset(config.maps().paths)
+    assert map_record("pockets", config, None, 1).seen_maps == {}
+    with pytest.raises(
+        InputError, match="expected repositories of tiny to leave out, got 'plan'; did you mean 'plans'"
+    ):
+        TrainingConfig.model_validate(chosen | {"left_out": "plan"}).maps()
+    with pytest.raises(
+        InputError, match="expected repositories of tiny to leave out, got 'floors'"
+    ):  # none is trained on
+        TrainingConfig.model_validate(chosen | {"left_out": "floors"}).maps()
+
+
+def test_generated_maps_take_the_place_of_files_that_are_left_out(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("indoor_explorers.learners.pockets.maps.CUT", 0.0)  # every map is large enough at once
+    paths = []
+    for name in ("a", "b"):
+        np.save(tmp_path / f"{name}.npy", np.kron(~np.pad(rooms(4, 9, ord(name)), 1), np.ones((4, 4))).astype(np.int8))
+        paths.append(str(tmp_path / f"{name}.npy"))
+    every = [TrainingMaps(tuple(paths)).draw(np.random.default_rng(seed)) for seed in range(24)]
+    some = [
+        TrainingMaps(tuple(paths), left_out=frozenset(paths[:1])).draw(np.random.default_rng(seed))
+        for seed in range(24)
+    ]
+    assert {plan.name for plan in every} == {"a", "b", GENERATED}
+    assert {plan.name for plan in some} == {"b", GENERATED}
+    assert all(one.digest == other.digest for one, other in zip(every, some, strict=True) if one.name != "a")
+
+
 def test_missing_clones_are_told_before_a_folder_is_made(tmp_path: Path) -> None:
     config = TrainingConfig(suites=("floors",), data=(str(tmp_path),))
     with pytest.raises(InputError, match="git clone"):
@@ -181,4 +214,6 @@ def test_a_training_with_floors_tells_how_good_it_is_on_others(tmp_path: Path, m
         monkeypatch.setattr(f"indoor_explorers.learners.pockets.{module}.map_files", lambda *_: floors)
     train(TrainingConfig(suites=("floors",), flights=1, epochs=1), None, tmp_path / "out", seed=1)
     table = (tmp_path / "out" / "validation.md").read_text().splitlines()
-    assert [row.split(" | ")[0] for row in table[2:]] == ["| floor", "| all"]
+    groups = ["floor", f"source {tmp_path.name}", "kind rooms and corridors", "all"]
+    assert [row.split(" | ")[0] for row in table[2:]] == [f"| {each}" for each in groups]
+    assert len({row.split(" | ", 1)[1] for row in table[2:]}) == 1
