@@ -23,12 +23,13 @@ from indoor_explorers.env.policies.explanation import of_moves
 from indoor_explorers.env.policies.policy import TRAINED_GOAL, Policy
 from indoor_explorers.env.policies.registry import missing_module
 from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.env.provenance import RECORD
 from indoor_explorers.env.scenarios.validation import validated
 from indoor_explorers.learners.baselines.config import EGOCENTRIC, BaselineConfig
 from indoor_explorers.learners.baselines.trainee import BaselineRecord, Scores, best_moves
 from indoor_explorers.learners.guard import WatchedPilot
 from indoor_explorers.learners.sessions.process import one_thread
-from indoor_explorers.learners.sessions.record import RECORD, RecordedWeights, digest_of, read_record
+from indoor_explorers.learners.sessions.record import RecordedWeights, digest_of, read_record
 
 
 @dataclass(frozen=True)

@@ -16,8 +16,9 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.provenance import RECORD
 from indoor_explorers.learners.sessions.process import deferred_interrupt
-from indoor_explorers.learners.sessions.record import RECORD, TrainingRecord, existing_record, write_record
+from indoor_explorers.learners.sessions.record import TrainingRecord, existing_record, write_record
 from indoor_explorers.learners.sessions.settings import LearnerSettings
 
 #: Seconds between two reports.

@@ -7,13 +7,13 @@ from pathlib import Path
 import pytest
 
 from indoor_explorers.env import PRESETS, make_policy
-from indoor_explorers.env.provenance import recorded_maps
+from indoor_explorers.env.provenance import RECORD, recorded_maps
 from indoor_explorers.env.scenarios.presets import on_files
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.scenarios.suites.catalogue import all_suites, digests_of
 from indoor_explorers.env.scenarios.suites.suite import Part
 from indoor_explorers.learners.dddqn.config import TrainingConfig
-from indoor_explorers.learners.sessions.record import RECORD, new_record, write_record
+from indoor_explorers.learners.sessions.record import new_record, write_record
 from indoor_explorers.planners.toolbox.networks.tensors import WEIGHTS
 from tests.suites import tiny, tiny_clones
 

@@ -10,8 +10,9 @@ from pathlib import Path
 import pytest
 
 from indoor_explorers.env import InputError
+from indoor_explorers.env.provenance import RECORD
 from indoor_explorers.learners.dddqn.config import TrainingConfig
-from indoor_explorers.learners.sessions.record import RECORD, TrainingRecord, new_record, read_record
+from indoor_explorers.learners.sessions.record import TrainingRecord, new_record, read_record
 from indoor_explorers.learners.sessions.session import Session, Trainee, TrainingStatus, crossed_multiple
 from tests.learners.dddqn.rooms import small_room
 

@@ -8,9 +8,9 @@ import pytest
 import torch
 
 from indoor_explorers.env import InputError
+from indoor_explorers.env.provenance import RECORD
 from indoor_explorers.env.scenarios.seed_sets import SEED_BLOCK
 from indoor_explorers.env.simulation.state import End
-from indoor_explorers.learners.sessions.record import RECORD
 from indoor_explorers.learners.thesis.config import MENDED, TrainingConfig
 from indoor_explorers.learners.thesis.train import EPISODES, ThesisTraining, train
 from tests.learners.dddqn.rooms import assert_same_checkpoints

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from indoor_explorers.env import PRESETS, InputError
+from indoor_explorers.env.provenance import RECORD
 from indoor_explorers.env.scenarios.validation import validated
 from indoor_explorers.evaluation.cli.parser import main
 from indoor_explorers.evaluation.harness.results.results import Results
@@ -21,7 +22,6 @@ from indoor_explorers.evaluation.studies.variants.ablation import COLUMNS, runs_
 from indoor_explorers.evaluation.studies.variants.ablation_drawing import on_one_grid
 from indoor_explorers.evaluation.studies.variants.scoring import VariantScore
 from indoor_explorers.learners.dddqn import train as dddqn
-from indoor_explorers.learners.sessions.record import RECORD
 from tests.evaluation.studies.inline import Inline, inline
 from tests.evaluation.studies.variants.requests import TINY, small_room, study_request
 

@@ -10,6 +10,7 @@ import pytest
 import torch
 
 from indoor_explorers.env import PRESETS, InputError
+from indoor_explorers.env.provenance import RECORD
 from indoor_explorers.env.scenarios.seed_sets import SEED_BLOCK
 from indoor_explorers.env.simulation.state import End
 from indoor_explorers.evaluation.studies.training import nested
@@ -22,7 +23,6 @@ from indoor_explorers.learners.dddqn.observation.map_prior import no_prior
 from indoor_explorers.learners.dddqn.presets import PRESETS as LEARNED
 from indoor_explorers.learners.dddqn.train import Training, evaluate, train
 from indoor_explorers.learners.sessions.checkpoint import CHECKPOINT
-from indoor_explorers.learners.sessions.record import RECORD
 from indoor_explorers.learners.sessions.session import Progress
 from indoor_explorers.learners.sessions.tensorboard import FOLDER
 from indoor_explorers.planners.toolbox.networks.tensors import read_tensors
