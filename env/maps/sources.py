@@ -28,8 +28,10 @@ from indoor_explorers.env.maps.generators.cave import CaveMaps
 from indoor_explorers.env.maps.generators.floors.plans import FloorsMaps
 from indoor_explorers.env.maps.generators.halls import HallsMaps
 from indoor_explorers.env.maps.generators.homes import HomesMaps
+from indoor_explorers.env.maps.generators.interiors import InteriorsMaps
 from indoor_explorers.env.maps.generators.maze import MazeMaps
 from indoor_explorers.env.maps.generators.offices import OfficesMaps
+from indoor_explorers.env.maps.generators.racks import RacksMaps
 from indoor_explorers.env.maps.generators.rooms import RoomsMaps
 from indoor_explorers.env.maps.generators.storeys import StoreysMaps
 from indoor_explorers.env.maps.generators.thesis import ThesisMaps
@@ -44,10 +46,12 @@ __all__ = [
     "FloorsMaps",
     "HallsMaps",
     "HomesMaps",
+    "InteriorsMaps",
     "MapSource",
     "MazeMaps",
     "OfficeMap",
     "OfficesMaps",
+    "RacksMaps",
     "RoomsMaps",
     "StoreysMaps",
     "ThesisMaps",
@@ -109,6 +113,8 @@ MapSource = (
     | CaveMaps
     | MazeMaps
     | StoreysMaps
+    | InteriorsMaps
+    | RacksMaps
     | FileMaps
     | OfficeMap
 )

@@ -14,10 +14,12 @@ from indoor_explorers.env.maps.sources import (
     FloorsMaps,
     HallsMaps,
     HomesMaps,
+    InteriorsMaps,
     MapSource,
     MazeMaps,
     OfficeMap,
     OfficesMaps,
+    RacksMaps,
     RoomsMaps,
     StoreysMaps,
 )
@@ -149,6 +151,22 @@ def _buildings() -> Iterator[Scenario]:
             yield from (_with_errors(_small(building, small)), _with_camera(_small(building, small)))
         if name == "storeys":
             yield _with_rings(building)
+    yield from _volumes()
+
+
+def _volumes() -> Iterator[Scenario]:
+    """Yield buildings of several levels, of half a metre each, by what the third dimension is in them."""
+    sizes = {"height": 24, "width": 30}
+    low = InteriorsMaps(**sizes)
+    hall = InteriorsMaps(**sizes, storeys=2, storey_height=5, halls=1)
+    joined = InteriorsMaps(**sizes, storeys=3, storey_height=4, headroom=3, wells=2, crawl_spaces=2, hatches=2)
+    for name, maps in (
+        ("one-storey", low),
+        ("tall-halls", hall),
+        ("racks", RacksMaps(**sizes)),
+        ("stair-wells", joined),
+    ):
+        yield _building(name, maps, None)
 
 
 def _first_phase() -> Iterator[Scenario]:

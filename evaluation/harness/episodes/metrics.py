@@ -72,10 +72,17 @@ MEASURES: dict[str, Measure] = {
         "longest path, any angle",
         "m",
         "metres flown by the UAV that flew farthest, with straight lines for the staircases of its track wherever no "
-        "obstacle is between; of maps with a scale",
+        "obstacle is between; of maps of one level with a scale",
     ),
     "overlap": Measure("overlap", "", "(sum of cells each lidar saw - cells the team saw) / cells the team saw"),
     "balance": Measure("balance", "", "standard deviation over the UAVs of the share of cells each lidar saw"),
+    "surface": Measure(
+        "surface",
+        "",
+        "share of the obstacle voxels beside a counted free voxel that the team's map shows at the end; of maps of "
+        "several levels",
+        False,
+    ),
     "collisions": Measure("collisions", "", "moves into an obstacle or off the map"),
     "blocked": Measure("blocked moves", "", "moves that a teammate blocked"),
     "stopped": Measure("stopped UAVs", "", "UAVs that a failure has stopped", True),

@@ -17,6 +17,7 @@ from indoor_explorers.evaluation.harness.episodes.record import Outcome, Record
 from indoor_explorers.evaluation.harness.episodes.recorder import Log
 from indoor_explorers.evaluation.harness.episodes.stalling import behaviour_metrics
 from indoor_explorers.evaluation.harness.episodes.steps import Steps
+from indoor_explorers.evaluation.harness.episodes.surface import seen_share, surface_of
 from indoor_explorers.evaluation.harness.experiment.experiment import Task
 
 
@@ -65,8 +66,8 @@ class RunningEpisode:
         )
 
     def _longest_straightened(self, steps: Steps) -> float | None:
-        """Return the metres that the UAV flew that flew farthest, staircases as straight lines."""
-        if self.floorplan.resolution is None:
+        """Return the metres that the UAV flew that flew farthest, staircases as straight lines; None on levels."""
+        if self.floorplan.resolution is None or self.floorplan.level_count > 1:
             return None
         truth, tracks = self.floorplan.truth, np.ascontiguousarray(steps.cells.swapaxes(0, 1).astype(np.int64))
         return self.floorplan.resolution * max(straightened_length(truth, track) for track in tracks)
@@ -97,6 +98,7 @@ class RunningEpisode:
             "balance": float((sensed / total).std()),
             "collisions": float(state.collisions[b].sum()),
             "blocked": float(state.blocked[b].sum()),
+            **({"surface": seen_share(world, b, surface_of(world, b))} if self.floorplan.level_count > 1 else {}),
             **({"stopped": float((state.end[b] == End.STOPPED).sum())} if world.scenario.failures.any else {}),
             **(map_metrics(world, b, log.flown_steps[b]) if world.scenario.uncertain else {}),
             **behaviour_metrics(world, b, steps, log.flown_steps[b]),
