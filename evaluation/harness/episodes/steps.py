@@ -105,12 +105,12 @@ class Steps:
 
 @leaf()
 def _fly(cells: NDArray[np.int16], flown: NDArray[np.int64]) -> None:
-    """Add to (S + 1,) ``flown``, which is 0 at first, the cells flown up to each step."""
+    """Add to (S + 1,) ``flown``, which is 0 at first, the cells flown up to each step: one a move, up and down too."""
     for step in range(1, len(cells)):
         flown[step] = flown[step - 1]
         for uav in range(cells.shape[1]):
-            for axis in range(2):
-                flown[step] += abs(int(cells[step, uav, axis]) - int(cells[step - 1, uav, axis]))
+            before, now = cells[step - 1, uav], cells[step, uav]
+            flown[step] += int(before[0] != now[0] or before[1] != now[1])
 
 
 def _digest(*arrays: NDArray[Any]) -> bytes:

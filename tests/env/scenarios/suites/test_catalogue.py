@@ -57,6 +57,7 @@ CONTENTS = {
     "ir2-hybrid 1": "69b6f5d0dc25690e",
     "rooms 1": "b501cb3e625b5e57",
     "atlas 1": "2288a09cc7d340cf",
+    "levels 1": "e54dc2eb73903b68",
 }
 ALL = pytest.mark.parametrize("suite", all_suites(), ids=lambda suite: suite.title)
 
@@ -146,11 +147,20 @@ def test_generators_draw_the_maps_that_the_suites_have(name: str):
     assert digest_of(suite.map, suite.seeds(Part.VALIDATION)) == suite.parts[Part.VALIDATION].digest
 
 
-def test_generators_draw_the_maps_that_listed_scenarios_have():
-    atlas = suite_of("atlas")
-    for scenario in atlas.scenarios(teams=[2, 8]):
-        entry = atlas.listed[scenario.name.removeprefix("atlas-")]
-        assert digest_of(scenario.map, atlas.seeds(Part.VALIDATION)) == entry.digests[Part.VALIDATION]
+@pytest.mark.parametrize(("name", "teams"), [("atlas", [2, 8]), ("levels", [4])])
+def test_generators_draw_the_maps_that_listed_scenarios_have(name: str, teams: list[int]):
+    suite = suite_of(name)
+    for scenario in suite.scenarios(teams=teams):
+        entry = suite.listed[scenario.name.removeprefix(f"{name}-")]
+        assert digest_of(scenario.map, suite.seeds(Part.VALIDATION)) == entry.digests[Part.VALIDATION]
+
+
+def test_teams_of_the_suite_of_levels_fly_the_same_buildings():
+    levels = suite_of("levels")
+    for name, entry in levels.listed.items():
+        assert entry.digests == levels.listed[f"{name.rpartition('-')[0]}-1"].digests
+    assert {each.team for each in levels.scenarios()} == {1, 2, 4}
+    assert all(each.map.level_count > 1 for each in levels.scenarios())
 
 
 @pytest.mark.parametrize("name", ["rooms", "floors-generated"])
