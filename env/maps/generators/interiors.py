@@ -38,7 +38,7 @@ class InteriorsMaps(VolumeMaps):
     headroom: int = Field(4, ge=1, le=256)
     """Levels below the lintels, which hang in passages one cell wide; no shelf is higher."""
     furniture: float = Field(0.15, ge=0.0, le=0.5)
-    """Share of the floor below tables and shelves, at most."""
+    """Share of the floor that tables and shelves take, about, where they find room."""
     halls: int = Field(0, ge=0, le=16)
     """Halls from the ground to the roof."""
     hall_size: tuple[int, int] = (8, 14)
