@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
@@ -14,12 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env import Scenario
-from indoor_explorers.evaluation.drawing.formatting import percent, percent_with_interval, with_interval
+from indoor_explorers.evaluation.drawing.formatting import p_value, percent, percent_with_interval, with_interval
 from indoor_explorers.evaluation.harness.episodes.record import Record
 from indoor_explorers.evaluation.harness.episodes.resimulate import resimulate
 from indoor_explorers.evaluation.harness.episodes.surface import seen_share, surface_of
 from indoor_explorers.evaluation.harness.results.results import Results
-from indoor_explorers.evaluation.statistics import bootstrap_mean
+from indoor_explorers.evaluation.statistics import bootstrap_mean, sign_flip_test
 
 #: The planner over levels, and the same at one height.
 LEVELS, ONE_HEIGHT = "frontier-latency", "latency, at one height"
@@ -91,11 +91,20 @@ def metres_row(flights: list[Flight]) -> Iterator[str]:
         yield " / ".join(percent(mean) for mean in np.mean([each.at(metres) for each in flights], axis=0))
 
 
-def planner_row(flights: Flights, policy: str) -> Iterator[str]:
-    """Yield the mean ratio of a policy's metres to those of the planner over levels, for each of :data:`SHARES`."""
+def planner_row(kinds: Iterable[Flights], policy: str) -> Iterator[str]:
+    """Yield the mean ratio of a policy's metres to those of the planner over levels in some kinds of buildings.
+
+    It is followed by the p of a sign-flip test, for each of :data:`SHARES`.
+    """
+    pairs = [pair for each in kinds for pair in zip(each[policy], each[LEVELS], strict=True)]
     for share in SHARES:
-        pairs = zip(flights[policy], flights[LEVELS], strict=True)
-        yield _mean([each.metres_to(share) / other.metres_to(share) for each, other in pairs], 2)
+        ratios = [one.metres_to(share) / other.metres_to(share) for one, other in pairs]
+        yield _mean(ratios, 2)
+        yield (
+            p_value(sign_flip_test([ratio - 1.0 for ratio in ratios])).removeprefix("= ")
+            if np.isfinite(ratios).all()
+            else "-"
+        )
 
 
 def _mean(values: list[float], decimals: int) -> str:
@@ -104,16 +113,18 @@ def _mean(values: list[float], decimals: int) -> str:
 
 
 def tables(results: Results) -> Iterator[str]:
-    """Yield the rows of the three tables: the answer, shares over metres, and planners."""
+    """Yield the rows of the three tables: the answer, shares over metres, and planners over all kinds, by lidar."""
     found = flights_of(results)
     for name, flights in found.items():
         yield _row(name, *answer_row(flights))
     for name, flights in found.items():
         for policy in (LEVELS, ONE_HEIGHT):
             yield _row(name, policy, *metres_row(flights[policy]))
-    for name, flights in found.items():
-        for policy in (each for each in flights if each not in (LEVELS, ONE_HEIGHT)):
-            yield _row(name, policy, *planner_row(flights, policy))
+    lidars = {name: results.scenario(name).lidar.elevation for name in found}
+    for elevation in sorted(set(lidars.values())):
+        kinds = [flights for name, flights in found.items() if lidars[name] == elevation]
+        for policy in (each for each in kinds[0] if each not in (LEVELS, ONE_HEIGHT)):
+            yield _row(f"{elevation:g} degrees", policy, *planner_row(kinds, policy))
 
 
 def _row(*cells: str) -> str:

@@ -36,8 +36,10 @@ def test_the_rows_of_the_tables():
     assert (at_one_height, as_much) == ("1 [1, 1]", "0 [0, 0]")
     assert shares == ["1 [1, 1]", "30 [30, 30]"]
     assert next(metres_row([FLAT, TALL])).replace("\N{NARROW NO-BREAK SPACE}", " ") == "70 % / 60 %"
-    assert list(planner_row(FLIGHTS, "slow")) == ["2.00 [2.00, 2.00]"] * 2
-    assert list(planner_row(FLIGHTS, ONE_HEIGHT)) == ["-", "-"]
+    ratio, p, *_ = planner_row([FLIGHTS, FLIGHTS], "slow")
+    assert ratio == "2.00 [2.00, 2.00]"
+    assert float(p) == pytest.approx(2 / 2**10, abs=1e-3)
+    assert list(planner_row([FLIGHTS], ONE_HEIGHT)) == ["-"] * 4
 
 
 @pytest.mark.parametrize("elevation", [15.0, 90.0])
