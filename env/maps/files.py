@@ -1,4 +1,4 @@
-"""Read maps from files, and write pictures of them."""
+"""Read maps from files, and write them."""
 
 from __future__ import annotations
 
@@ -19,8 +19,15 @@ from indoor_explorers.env.maps.readers.houseexpo import RESOLUTION, read_houseex
 from indoor_explorers.env.maps.readers.image import read_plain
 from indoor_explorers.env.maps.readers.movingai import read_movingai
 from indoor_explorers.env.maps.readers.npy import inverted_notes, read_npy
+from indoor_explorers.env.maps.readers.octomap import read_octomap, write_octomap
 from indoor_explorers.env.maps.readers.opening import Fits, check_file, read_json
+from indoor_explorers.env.maps.readers.rmf import ENDING as BUILDING
+from indoor_explorers.env.maps.readers.rmf import BuildingSettings
 from indoor_explorers.env.maps.readers.ros import parse_ros, read_ros
+from indoor_explorers.env.maps.readers.sheet import PIXEL
+from indoor_explorers.env.maps.readers.storeys import RESOLUTION as STOREYS_RESOLUTION
+from indoor_explorers.env.maps.readers.storeys import draw_storey, stack_storeys
+from indoor_explorers.env.maps.readers.surfaces import read_surfaces
 from indoor_explorers.env.maps.readers.vectormap import read_vectormap
 from indoor_explorers.env.maps.reduction import (
     Source,
@@ -33,10 +40,10 @@ from indoor_explorers.env.maps.reduction import (
 from indoor_explorers.env.search.connected_parts import largest_part
 
 
-def read_map(path: str | Path, resolution: float | None = None) -> Floorplan:
+def read_map(path: str | Path, resolution: float | None = None, building: BuildingSettings | None = None) -> Floorplan:
     """Read a map file as a floor plan with cells of ``resolution`` metres; None keeps the file's.
 
-    The file's ending decides its kind. Only the largest connected free part of a map stays free, see
+    The file's ending decides its kind; ``building`` says how those of several storeys are read. Only the largest connected free part of a map stays free, see
     :func:`~indoor_explorers.env.maps.reduction.reduced`.
 
     - ``.yaml``, ``.yml``: a ROS map_server map; doorways that it leaves unknown are opened, and the unknown around
@@ -48,6 +55,10 @@ def read_map(path: str | Path, resolution: float | None = None) -> Floorplan:
     - ``.json``, an object: a HouseExpo outline, cut to the house; cells of 0.1 m where none are asked for.
     - ``.json``, a list: the wall segments of an AMRL vector map, drawn in pixels of 0.1 m and cut like a ROS map.
     - ``.xml``: the rooms and portals of a building, drawn, opened and cut in the same way.
+    - ``.building.yaml``: the storeys of a building of Open-RMF, of 0.5 m a cell, or one of them drawn, opened and cut in
+      the same way.
+    - ``.bt``: an octree of OctoMap; unknown is solid.
+    - ``.stl``, ``.ply``, ``.obj``, ``.pcd``: a mesh or a cloud of points in metres, of 0.25 m a cell.
 
     A pixel of a plain picture, a character of a grid and an element of an array count as one metre, and nothing is cut
     away.
@@ -56,7 +67,7 @@ def read_map(path: str | Path, resolution: float | None = None) -> Floorplan:
     """
     path = expanded(path)
     check_file(path)
-    suffix = path.suffix.lower()
+    suffix = BUILDING if path.name.lower().endswith(BUILDING) else path.suffix.lower()
     if suffix not in READERS:
         raise InputError(
             f"{path}: expected a map ending in {', '.join(READERS)}, got {suffix or 'no ending'!r}; "
@@ -64,7 +75,32 @@ def read_map(path: str | Path, resolution: float | None = None) -> Floorplan:
         )
     if resolution is not None:
         check_resolution(str(path), resolution)
+    if suffix == BUILDING:
+        return _read_storeys(path, resolution, building or BuildingSettings())
     return READERS[suffix](path, resolution)
+
+
+def write_map(floorplan: Floorplan, path: Path, kind: str) -> None:
+    """Write the cells of a floor plan as :func:`read_map` reads them, without its start, to a file of a ``kind``.
+
+    ``.png`` holds a map of one level, ``.npy`` the obstacles of any (True), and ``.bt`` any as an octree of OctoMap, with
+    cells of one metre where there is no scale.
+
+    Raises:
+        InputError: the kind is none of these, or cannot hold several levels.
+
+    """
+    cells = floorplan.levels.volume(floorplan.truth)
+    if kind == ".bt":
+        write_octomap(cells, floorplan.resolution or 1.0, path)
+    elif kind == ".npy":
+        with path.open("wb") as file:
+            np.save(file, (cells if len(cells) > 1 else cells[0]) != FREE)
+    elif kind == ".png" and len(cells) == 1:
+        write_picture(floorplan, path)
+    else:
+        which = f" that holds {len(cells)} levels: .npy or .bt" if len(cells) > 1 else ": .png, .npy or .bt"
+        raise InputError(f"expected a kind of map file{which}, got {kind or 'no ending'!r}")
 
 
 def write_picture(floorplan: Floorplan, path: Path) -> None:
@@ -100,7 +136,7 @@ def _read_json(path: Path, resolution: float | None) -> Floorplan:
 
 def _indoors(path: Path, cells: Belief, metres: float, resolution: float | None) -> Floorplan:
     """Return the floor plan of cells that are unknown around the building, and perhaps in its doorways."""
-    source = Source(name=path.stem, where=str(path), cells=open_doorways(cells, metres), resolution=metres)
+    source = Source(name=_stem(path), where=str(path), cells=open_doorways(cells, metres), resolution=metres)
     return cropped(reduced(source, resolution))
 
 
@@ -122,13 +158,38 @@ def _read_npy(path: Path, resolution: float | None) -> Floorplan:
 
 
 def _volume(path: Path, cells: Belief, resolution: float | None) -> Floorplan:
-    """Return the map of (L, H, W) cells, of which only the largest connected free part stays free."""
     if resolution not in (None, 1.0):
-        raise InputError(f"{path}: expected no --resolution for a map of several levels, got {resolution:g}; omit it")
+        raise InputError(f"{path}: expected no --resolution for an array of several levels, got {resolution:g}; omit it")
+    return replace(_stacked(path, cells, 1.0), notes=inverted_notes(path, cells))
+
+
+def _read_octomap(path: Path, resolution: float | None) -> Floorplan:
+    return _stacked(path, *read_octomap(path, resolution))
+
+
+def _read_surfaces(path: Path, resolution: float | None) -> Floorplan:
+    return _stacked(path, *read_surfaces(path, resolution))
+
+
+def _read_storeys(path: Path, resolution: float | None, settings: BuildingSettings) -> Floorplan:
+    if settings.storey is None:
+        return _stacked(path, *stack_storeys(path, settings, resolution))
+    asked = STOREYS_RESOLUTION if resolution is None else resolution
+    plan = _indoors(path, draw_storey(path, settings, asked), PIXEL, asked)
+    return replace(plan, name=f"{plan.name}-{settings.storey}")
+
+
+def _stacked(path: Path, cells: Belief, metres: float) -> Floorplan:
+    """Return the map of (L, H, W) cells of so many ``metres``, of which only the largest connected part stays free."""
     free = cells == FREE
     kept = largest_part(free)
-    plan = Floorplan.from_free(kept, path.stem, 1.0, kept=float(kept.sum() / max(1, free.sum())))
-    return replace(plan, connected=plan.kept, notes=inverted_notes(path, cells))
+    plan = Floorplan.from_free(kept, _stem(path), metres, kept=float(kept.sum() / max(1, free.sum())))
+    return replace(plan, connected=plan.kept)
+
+
+def _stem(path: Path) -> str:
+    """Return the name of a file without its ending."""
+    return path.name[: -len(BUILDING)] if path.name.lower().endswith(BUILDING) else path.stem
 
 
 #: How a file is read, by its ending.
@@ -139,4 +200,7 @@ READERS: dict[str, Callable[[Path, float | None], Floorplan]] = {
     ".npy": _read_npy,
     ".json": _read_json,
     ".xml": _read_xml,
+    BUILDING: lambda path, resolution: _read_storeys(path, resolution, BuildingSettings()),
+    ".bt": _read_octomap,
+    **dict.fromkeys((".stl", ".ply", ".obj", ".pcd"), _read_surfaces),
 }

@@ -76,7 +76,7 @@ def reduced(source: Source, resolution: float | None) -> Floorplan:
     if factor == 1.0:
         plan = Floorplan.from_free(main, source.name, source.resolution, share, settled(source.start, main))
         return replace(plan, connected=share)
-    free, connected = _best(area_share(source.cells == OCCUPIED, factor), area_share(main, factor))
+    free, connected = best_threshold(area_share(source.cells == OCCUPIED, factor), area_share(main, factor))
     if not free.any():
         raise InputError(
             f"{source.where}: expected some floor left, got none at a resolution of {resolution:g} m; "
@@ -109,7 +109,7 @@ def checked_factor(where: str, shape: tuple[int, ...], metres: float, resolution
     """
     height, width = shape
     if resolution is None:
-        _check_cells(where, height, width)
+        check_cells(where, height, width)
         return 1.0
     check_resolution(where, resolution)
     if max(shape) > MAX_CELLS:
@@ -128,11 +128,11 @@ def checked_factor(where: str, shape: tuple[int, ...], metres: float, resolution
             f"{where}: expected cells smaller than the map, got {resolution:g} m a cell; ask for a finer "
             f"--resolution (the source has {metres:g} m)"
         )
-    _check_cells(where, math.ceil(height / factor - _SLACK), math.ceil(width / factor - _SLACK))
+    check_cells(where, math.ceil(height / factor - _SLACK), math.ceil(width / factor - _SLACK))
     return float(factor)
 
 
-def _check_cells(where: str, height: int, width: int) -> None:
+def check_cells(where: str, height: int, width: int) -> None:
     """Raise :class:`InputError` when a map would have more than :data:`MAX_CELLS` cells."""
     if height * width > MAX_CELLS:
         raise InputError(
@@ -146,7 +146,7 @@ def check_resolution(where: str, resolution: float) -> None:
         raise InputError(f"{where}: expected a resolution above 0 m, got {resolution}; correct it")
 
 
-def _best(occupied: NDArray[np.float64], floor: NDArray[np.float64]) -> tuple[Mask, float]:
+def best_threshold(occupied: NDArray[np.float64], floor: NDArray[np.float64]) -> tuple[Mask, float]:
     """Return the free cells of the first threshold that is good enough, or of the best, and the share that it keeps."""
     results = []
     for threshold in THRESHOLDS:

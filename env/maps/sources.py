@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from functools import lru_cache
 from importlib import resources
 from pathlib import Path
@@ -36,6 +37,7 @@ from indoor_explorers.env.maps.generators.rooms import RoomsMaps
 from indoor_explorers.env.maps.generators.storeys import StoreysMaps
 from indoor_explorers.env.maps.generators.thesis import ThesisMaps
 from indoor_explorers.env.maps.readers.npy import levels_of
+from indoor_explorers.env.maps.readers.rmf import ENDING, BuildingSettings
 from indoor_explorers.env.plugins import MAPS, declared, load_plugin
 
 __all__ = [
@@ -62,6 +64,8 @@ __all__ = [
 #: of its doors 0.8 m wide.
 OFFICE, OFFICE_RESOLUTION = "readers/office.txt", 0.4
 WALL, FURNITURE, FLOOR = "#", "o", "."
+#: Endings of files whose levels are counted by reading them.
+VOLUMES = (ENDING, ".bt", ".stl", ".ply", ".obj", ".pcd")
 
 
 class FileMaps(MapReader):
@@ -70,13 +74,19 @@ class FileMaps(MapReader):
     source: Literal["files"] = "files"
     resolution: float | None = Field(None, gt=0.0)
     """Metres a cell to resample to; None keeps the file's. Files without a scale count a pixel as one metre."""
-    levels: int = Field(1, ge=1, le=256)
-    """Levels of the maps, by default those of the first file."""
+    building: BuildingSettings = BuildingSettings()
+    """How buildings of several storeys are read."""
+    levels: int = Field(1, ge=1, le=4096)
+    """Levels of the maps: those of the first file, where it is there."""
 
     @model_validator(mode="after")
     def _counted(self) -> FileMaps:
-        if "levels" not in self.model_fields_set and (path := expanded(self.paths[0])).suffix.lower() == ".npy":
+        path = expanded(self.paths[0])
+        if path.suffix.lower() == ".npy" and "levels" not in self.model_fields_set:
             object.__setattr__(self, "levels", levels_of(path))
+        elif path.name.lower().endswith(VOLUMES) and path.is_file():
+            with suppress(InputError):  # told where the map is read
+                object.__setattr__(self, "levels", self.plan(path).level_count)
         return self
 
     @property
@@ -86,7 +96,7 @@ class FileMaps(MapReader):
 
     def plan(self, path: Path) -> Floorplan:
         """Return the map of a file."""
-        return _read_once(str(path), self.resolution)
+        return _read_once(str(path), self.resolution, self.building)
 
 
 class OfficeMap(BaseMaps):
@@ -167,10 +177,10 @@ AnyMaps = Annotated[
 
 
 @lru_cache(maxsize=256)
-def _read_once(path: str, resolution: float | None) -> Floorplan:
+def _read_once(path: str, resolution: float | None, building: BuildingSettings) -> Floorplan:
     from indoor_explorers.env.maps.files import read_map
 
-    return read_map(path, resolution)
+    return read_map(path, resolution, building)
 
 
 @lru_cache(maxsize=1)

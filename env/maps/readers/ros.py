@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 from numpy.typing import NDArray
 
 from indoor_explorers.env.errors import InputError
@@ -20,7 +19,7 @@ from indoor_explorers.env.files import expanded
 from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.maps.readers.image import read_picture
-from indoor_explorers.env.maps.readers.opening import Fits, check_file, read_bytes
+from indoor_explorers.env.maps.readers.opening import Fits, check_file, read_yaml
 
 #: The most bytes a YAML file may have; real ones have about 200.
 MAX_BYTES = 65_536
@@ -102,7 +101,7 @@ def parse_ros(path: Path) -> RosMap:
 
     Raises :class:`InputError` with one line that says what is wrong with it.
     """
-    data = _load(path)
+    data = read_yaml(path, MAX_BYTES, MAX_DEPTH, "resolution: 0.05", "a map_server file")
     for key, meaning in _NEEDED.items():
         if key not in data:
             got = ", ".join(str(name)[:40] for name in list(data)[:12])
@@ -128,31 +127,6 @@ def _free_thresh(path: Path, data: Mapping[str, Any]) -> float:
     value = _number(path, data, "free_thresh", 0.0, 1.0)
     by_nav2 = value == NAV2_FREE_THRESH and data.get("mode") == "trinary"
     return FREE_THRESH if by_nav2 and not _choice(path, data, "negate", _SWITCH) else value
-
-
-def _load(path: Path) -> Mapping[str, Any]:
-    """Return the mapping in a YAML file with all scalars as text: no tags, merges or guesses at types."""
-    text = read_bytes(path, MAX_BYTES, "a map_server file").decode("utf-8-sig", errors="replace")
-    try:
-        _check_depth(path, text)
-        data = yaml.load(text, Loader=yaml.BaseLoader)
-    except yaml.YAMLError as error:
-        raise InputError(f"{path}: expected YAML, got {' '.join(str(error).split())[:200]}; correct it") from error
-    if not isinstance(data, dict) or not data:
-        got = "an empty file" if not data else "a list" if isinstance(data, list) else "plain text"
-        raise InputError(f"{path}: expected lines such as 'resolution: 0.05', got {got}; is it a map_server file?")
-    return data
-
-
-def _check_depth(path: Path, text: str) -> None:
-    depth = 0
-    for event in yaml.parse(text, Loader=yaml.BaseLoader):
-        if isinstance(event, yaml.CollectionStartEvent):
-            depth += 1
-        elif isinstance(event, yaml.CollectionEndEvent):
-            depth -= 1
-        if depth > MAX_DEPTH:
-            raise InputError(f"{path}: expected a plain list of keys, got YAML nested deeper than {MAX_DEPTH} levels")
 
 
 def _text(path: Path, data: Mapping[str, Any], key: str) -> str:

@@ -36,7 +36,7 @@ class MapsOptions(Request):
     """The options of ``maps``."""
 
     paths: Annotated[tuple[Path, ...], Option(metavar="PATH", several=True, positional=True)] = ()
-    """Map files: .yaml, .png, .pgm, .bmp, .map, .npy, .json, .xml."""
+    """Map files: .yaml, .png, .pgm, .bmp, .map, .npy, .json, .xml, .building.yaml, .bt, .stl, .ply, .obj, .pcd."""
     resolution: Annotated[float | None, RESOLUTION] = None
     """Metres per cell to resample map files to. Pictures have no scale: a pixel of theirs counts as 1 m."""
     scenario: Annotated[str | None, Option(metavar="PRESET|FILE.toml")] = None
@@ -44,15 +44,15 @@ class MapsOptions(Request):
     seed: Annotated[int | None, SEED] = None
     """Seed of the scenario's map (default 0)."""
     settings: Settings = NO_SETTINGS
-    """Scenario settings such as map.height=128."""
+    """Settings such as map.height=128, or, for map files, map.building.storey=L1."""
     suite: Annotated[str | None, Option(metavar="NAME")] = None
     """Tell the facts and kinds of all maps of a part of this suite instead, without pictures."""
     part: Annotated[SuitePart, Option(choices=get_args(SuitePart))] = "test"
     """Which part of the suite."""
     data: DATA_FOLDERS = ()
     """Where the suite's map files are: clones of their repositories, or folders that have the clones in them."""
-    save: Annotated[Path | None, Option(metavar="FILE.png")] = None
-    """Write the map as a picture of a pixel a cell, white where it is free, which --maps reads."""
+    save: Annotated[Path | None, Option(metavar="FILE.png|.npy|.bt")] = None
+    """Write the map for --maps: a picture of a pixel a cell, white where it is free, an array, or an octree of OctoMap."""
     compare: Annotated[tuple[str, ...], Option(metavar="PRESET|FILE.toml,...", read=read_names)] = ()
     """Say instead how far the maps of these scenarios are from the map files, statistic by statistic."""
     samples: Annotated[int | None, Option(metavar="N", read=read_count)] = None
@@ -89,26 +89,21 @@ def show_maps(options: MapsOptions, typed: str) -> int:
 
 
 def _save(floorplans: Sequence[Floorplan], path: Path) -> None:
-    """Write one map as a picture."""
+    """Write one map to a file."""
     from indoor_explorers.env.errors import InputError
     from indoor_explorers.env.files import writable, written_whole
-    from indoor_explorers.env.maps.files import write_picture
+    from indoor_explorers.env.maps.files import write_map
 
-    if len(floorplans) != 1 or path.suffix != ".png":
-        raise InputError(f"expected one map and a .png with --save, got {len(floorplans)} maps and {path}")
-    if floorplans[0].level_count > 1:
-        raise InputError(
-            f"expected a map of one level with --save, got {floorplans[0].level_count}; a .npy holds several"
-        )
+    if len(floorplans) != 1:
+        raise InputError(f"expected one map with --save, got {len(floorplans)} maps")
     with writable(path, "--save"), written_whole(path) as partial:
-        write_picture(floorplans[0], partial)
+        write_map(floorplans[0], partial, path.suffix.lower())
 
 
 def _floorplans(options: MapsOptions) -> Iterator[tuple[str, Floorplan]]:
     """Yield the maps that are asked for, each after its source."""
-    from indoor_explorers.env.maps.files import read_map
-    from indoor_explorers.env.maps.sources import FileMaps
     from indoor_explorers.env.scenarios.loading import named_scenario
+    from indoor_explorers.env.scenarios.presets import on_files
     from indoor_explorers.env.scenarios.suites.catalogue import source_of, suite_of
     from indoor_explorers.env.scenarios.suites.clones import maps_of
     from indoor_explorers.env.scenarios.suites.suite import Part
@@ -125,8 +120,9 @@ def _floorplans(options: MapsOptions) -> Iterator[tuple[str, Floorplan]]:
         seeds = suite.seeds(part) if maps.generated else range(1)
         plans = [(index, maps.floorplan(index, seed)) for seed in seeds for index in range(maps.count)]
     else:
-        maps = FileMaps(paths=tuple(map(str, options.paths)), resolution=options.resolution)
-        plans = [(index, read_map(path, options.resolution)) for index, path in enumerate(options.paths)]
+        files = on_files(tuple(map(str, options.paths)), options.resolution)
+        maps = files.with_settings(options.settings).map
+        plans = [(index, maps.floorplan(index, 0)) for index in range(maps.count)]
     return ((source_of(maps, index, plan), plan) for index, plan in plans)
 
 
@@ -138,8 +134,10 @@ def _refuse_contradictions(options: MapsOptions) -> None:
     if sum(map(bool, (options.paths, options.scenario, options.suite))) != 1:
         got = "several" if options.paths or options.scenario or options.suite else "none"
         raise InputError(f"expected the paths of map files, a --scenario or a --suite, got {got}; see maps --help")
-    if not options.scenario and (options.settings or options.seed is not None):
-        raise InputError("expected --scenario with --seed and --set, got maps that have none; leave them out")
+    if not options.scenario and options.seed is not None:
+        raise InputError("expected --scenario with --seed, got maps that have none; leave it out")
+    if options.suite and options.settings:
+        raise InputError("expected --scenario or map files with --set, got a suite; leave it out")
     if not options.paths and options.resolution is not None:
         raise InputError("expected map files with --resolution, got other maps; use --set map.resolution=... instead")
 
