@@ -43,8 +43,8 @@ from indoor_explorers.env.search.connected_parts import largest_part
 def read_map(path: str | Path, resolution: float | None = None, building: BuildingSettings | None = None) -> Floorplan:
     """Read a map file as a floor plan with cells of ``resolution`` metres; None keeps the file's.
 
-    The file's ending decides its kind; ``building`` says how those of several storeys are read. Only the largest connected free part of a map stays free, see
-    :func:`~indoor_explorers.env.maps.reduction.reduced`.
+    The file's ending decides its kind, and ``building`` how those of several storeys are read. Only the largest
+    connected free part of a map stays free, see :func:`~indoor_explorers.env.maps.reduction.reduced`.
 
     - ``.yaml``, ``.yml``: a ROS map_server map; doorways that it leaves unknown are opened, and the unknown around
       the building is cut away. A yaw of its origin is ignored; what Nav2 saved as unknown is unknown.
@@ -55,10 +55,10 @@ def read_map(path: str | Path, resolution: float | None = None, building: Buildi
     - ``.json``, an object: a HouseExpo outline, cut to the house; cells of 0.1 m where none are asked for.
     - ``.json``, a list: the wall segments of an AMRL vector map, drawn in pixels of 0.1 m and cut like a ROS map.
     - ``.xml``: the rooms and portals of a building, drawn, opened and cut in the same way.
-    - ``.building.yaml``: the storeys of a building of Open-RMF, of 0.5 m a cell, or one of them drawn, opened and cut in
-      the same way.
+    - ``.building.yaml``: the storeys of a building of Open-RMF, with cells of 0.5 m, or one of them, drawn, opened and
+      cut in the same way.
     - ``.bt``: an octree of OctoMap; unknown is solid.
-    - ``.stl``, ``.ply``, ``.obj``, ``.pcd``: a mesh or a cloud of points in metres, of 0.25 m a cell.
+    - ``.stl``, ``.ply``, ``.obj``, ``.pcd``: a mesh or a cloud of points in metres, with cells of 0.25 m.
 
     A pixel of a plain picture, a character of a grid and an element of an array count as one metre, and nothing is cut
     away.
@@ -83,8 +83,8 @@ def read_map(path: str | Path, resolution: float | None = None, building: Buildi
 def write_map(floorplan: Floorplan, path: Path, kind: str) -> None:
     """Write the cells of a floor plan as :func:`read_map` reads them, without its start, to a file of a ``kind``.
 
-    ``.png`` holds a map of one level, ``.npy`` the obstacles of any (True), and ``.bt`` any as an octree of OctoMap, with
-    cells of one metre where there is no scale.
+    A ``.png`` holds a map of one level, an array ``.npy`` the obstacles of any, and an OctoMap ``.bt`` any with its
+    scale, one metre a cell where it has none.
 
     Raises:
         InputError: the kind is none of these, or cannot hold several levels.
@@ -159,7 +159,9 @@ def _read_npy(path: Path, resolution: float | None) -> Floorplan:
 
 def _volume(path: Path, cells: Belief, resolution: float | None) -> Floorplan:
     if resolution not in (None, 1.0):
-        raise InputError(f"{path}: expected no --resolution for an array of several levels, got {resolution:g}; omit it")
+        raise InputError(
+            f"{path}: expected no --resolution for an array of several levels, got {resolution:g}; omit it"
+        )
     return replace(_stacked(path, cells, 1.0), notes=inverted_notes(path, cells))
 
 
@@ -168,23 +170,33 @@ def _read_octomap(path: Path, resolution: float | None) -> Floorplan:
 
 
 def _read_surfaces(path: Path, resolution: float | None) -> Floorplan:
-    return _stacked(path, *read_surfaces(path, resolution))
+    return _stacked(path, *read_surfaces(path, resolution), around=(1, 1, 1))
 
 
 def _read_storeys(path: Path, resolution: float | None, settings: BuildingSettings) -> Floorplan:
     if settings.storey is None:
-        return _stacked(path, *stack_storeys(path, settings, resolution))
+        return _stacked(path, *stack_storeys(path, settings, resolution), around=(0, 1, 1))
     asked = STOREYS_RESOLUTION if resolution is None else resolution
     plan = _indoors(path, draw_storey(path, settings, asked), PIXEL, asked)
     return replace(plan, name=f"{plan.name}-{settings.storey}")
 
 
-def _stacked(path: Path, cells: Belief, metres: float) -> Floorplan:
-    """Return the map of (L, H, W) cells of so many ``metres``, of which only the largest connected part stays free."""
+def _stacked(path: Path, cells: Belief, metres: float, around: tuple[int, int, int] | None = None) -> Floorplan:
+    """Return the map of (L, H, W) cells of so many ``metres``, of which only the largest connected part stays free.
+
+    It is cut to its free cells and so many solid levels, rows and columns ``around`` them; None: left as it is.
+    """
     free = cells == FREE
     kept = largest_part(free)
-    plan = Floorplan.from_free(kept, _stem(path), metres, kept=float(kept.sum() / max(1, free.sum())))
-    return replace(plan, connected=plan.kept)
+    if not kept.any():
+        raise InputError(f"{path}: expected some free cells, got none; is it a map, is --resolution fine enough?")
+    share = float(kept.sum() / free.sum())
+    if around is not None:
+        places = np.argwhere(kept)
+        low, high = places.min(axis=0), places.max(axis=0) + 1
+        inner = kept[tuple(slice(first, last) for first, last in zip(low, high, strict=True))]
+        kept = np.pad(inner, [(solid, solid) for solid in around])
+    return replace(Floorplan.from_free(kept, _stem(path), metres, kept=share), connected=share)
 
 
 def _stem(path: Path) -> str:

@@ -97,6 +97,10 @@ class Floorplan:
         part.setflags(write=False)
         return part
 
+    def floors(self) -> list[Mask]:
+        """Return the (H, W) mask of the main part on each level that has some of it, the lowest first."""
+        return [floor for floor in self.levels.volume(self.main_part) if floor.any()]
+
     @classmethod
     def from_free(
         cls, free: Mask, name: str, resolution: float | None = None, kept: float = 1.0, start: Cell | None = None

@@ -94,11 +94,17 @@ def has_scale(plan: Floorplan) -> bool:
 
 
 def statistics_of(plan: Floorplan) -> PlanStatistics:
-    """Measure the largest connected free part of a floor plan."""
+    """Measure the largest connected free part of a floor plan; of several levels, their mean by free cells."""
+    floors = plan.floors()
+    found = [_measured(floor, plan.resolution if has_scale(plan) else None) for floor in floors]
+    return PlanStatistics(*np.average(found, axis=0, weights=[floor.sum() for floor in floors]).tolist())
+
+
+def _measured(floor: Mask, scale: float | None) -> PlanStatistics:
+    """Measure the (H, W) cells of one level; ``scale`` is metres a cell, None for none."""
     from scipy import ndimage
 
-    free = np.pad(plan.main_part[extent(plan.main_part)], 1)
-    scale = plan.resolution if has_scale(plan) else None
+    free = np.pad(floor[extent(floor)], 1)
     widths = local_widths(free)
     graph = room_graph(free, _passage(scale), widths)
     sizes, long = (

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterable, Iterator
+from itertools import groupby
 from pathlib import Path
 
 import numpy as np
@@ -47,7 +48,8 @@ def facts(floorplan: Floorplan) -> str:
     scale, area = "no scale", f"{free} free"
     if floorplan.resolution:
         scale = f"{floorplan.resolution:g} m a cell"
-        area += f" ({free * floorplan.resolution**2:,.1f} m2)"
+        unit = "m2" if floorplan.level_count == 1 else "m3"
+        area += f" ({free * floorplan.resolution ** int(unit[1]):,.1f} {unit})"
     start = "" if floorplan.start is None else f"; start at {cell_text(floorplan.start, floorplan.levels)}"
     return (
         f"{floorplan.name}: {' x '.join(map(str, floorplan.levels.size))} cells, {scale}, {area}, "
@@ -57,9 +59,26 @@ def facts(floorplan: Floorplan) -> str:
 
 
 def layout(floorplan: Floorplan) -> str:
-    """Return one line about the rooms of a map, the doors between them, loops, and how many doors lie across it."""
+    """Return a line about the rooms of a map, the doors between them, loops, and how many doors lie across it.
+
+    Several levels have a line each, or those together that follow each other and are alike.
+    """
     passage = passage_of(floorplan.resolution)
-    graph = room_graph(np.pad(floorplan.main_part, 1), passage)
+    if floorplan.level_count == 1:
+        return _rooms(floorplan.main_part, passage)
+    volume = floorplan.levels.volume(floorplan.main_part)
+    lines = [_rooms(floor, passage) if floor.any() else "nothing free" for floor in volume]
+    shares = [f"{floor.mean():.0%} free" for floor in volume]
+    told = groupby(range(len(lines)), key=lambda level: (lines[level], shares[level]))
+    return "\n".join(f"{_named([*levels])}: {share}; {line}" for (line, share), levels in told)
+
+
+def _named(levels: list[int]) -> str:
+    return f"level {levels[0]}" if len(levels) == 1 else f"levels {levels[0]} to {levels[-1]}"
+
+
+def _rooms(floor: Mask, passage: int) -> str:
+    graph = room_graph(np.pad(floor, 1), passage)
     doors = sum(graph.nodes[node]["width"] <= passage for node in nodes_of(graph, DOOR))
     parts = [counted(len(nodes_of(graph, kind)), kind) for kind in (ROOM, CORRIDOR)]
     line = ", ".join([*parts, counted(doors, DOOR), counted(loops(graph), "loop")])
@@ -69,8 +88,9 @@ def layout(floorplan: Floorplan) -> str:
 def statistics(floorplan: Floorplan, found: PlanStatistics) -> str:
     """Return one line about a map: its kind, and the statistics that tell it."""
     unit = "m" if has_scale(floorplan) else "cells"
+    levels = ", mean over levels" if floorplan.level_count > 1 else ""
     return (
-        f"{found.kind}: clearance {found.clearance:.2f} {unit}, openness {found.openness:.2f}, "
+        f"{found.kind}{levels}: clearance {found.clearance:.2f} {unit}, openness {found.openness:.2f}, "
         f"{found.view:.0%} of the floor in view, {found.rooms:.1f} effective rooms, {found.corridors:.0%} corridors, "
         f"{found.one_width:.0%} of one width, solidity {found.solidity:.2f}, walls {found.straight:.0%} straight"
     )

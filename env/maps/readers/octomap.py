@@ -1,9 +1,9 @@
 """Occupancy octrees of OctoMap (Hornung et al., Autonomous Robots 34, 2013): binary ``.bt`` files, read and written.
 
-Format: https://octomap.github.io, ``OcTreeBaseImpl`` and ``OcTree::writeBinaryNode``: lines of text up to ``data``, then
-the inner nodes in depth-first order, two bytes each. Of these the two bits 2k and 2k + 1 say what child k is: 0 unknown,
-1 free, 2 occupied, 3 an inner node; bits 0, 1 and 2 of k are its halves of x, y and z. Files may come from anywhere:
-OctoMap's own reader ends the process on a tree that is too deep, so this one counts.
+Format: https://octomap.github.io, ``OcTree::writeBinaryNode``: lines of text up to ``data``, then the inner nodes in
+depth-first order, two bytes each. Their bits 2k and 2k + 1 say what child k is: 0 unknown, 1 free, 2 occupied, 3 an
+inner node; bits 0, 1 and 2 of k are its halves of x, y and z. Files may come from anywhere: OctoMap's own reader ends
+the process on a tree that is too deep, so this one counts.
 """
 
 from __future__ import annotations
@@ -43,8 +43,8 @@ def read_octomap(path: Path, resolution: float | None = None) -> tuple[Belief, f
     box, stack = np.array([2**DEPTH] * 3 + [0] * 3), np.zeros((8 * DEPTH, 4), np.int64)
     found = _walk(words, stack, box, np.zeros((0, 0, 0), np.uint8), 1)
     if found != len(words) or box[3] == 0:
-        got = "one that ends early, or is too deep" if found < 0 else "no known voxel" if found == len(words) else "more"
-        raise InputError(f"{path}: expected one octree of depth {DEPTH}, got {got}; save it again")
+        got = "ends early, or is too deep" if found < 0 else "has data after its end" if box[3] > 0 else "knows nothing"
+        raise InputError(f"{path}: expected one octree of depth {DEPTH}, got one that {got}; save it again")
     size = [-(-int(side) // factor) for side in box[3:] - box[:3]]
     check_cells(str(path), size[2] * (size[1] + 1), size[0])
     cells = np.zeros(size[::-1], np.uint8)

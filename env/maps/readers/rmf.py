@@ -1,8 +1,9 @@
 """Buildings of several storeys that the traffic editor of Open-RMF saves, ``NAME.building.yaml``.
 
 Format: https://osrf.github.io/ros2multirobotbook/traffic-editor.html. Read are each level's vertices, walls, doors,
-floors, holes, measurements, fiducials and elevation, and the lifts; furniture (``models``) is not in the file. As in the
-editor, metres a pixel are the mean of a level's measurements, and fiducials of one name lie above each other.
+floors, holes, measurements, fiducials and elevation, and the lifts, but not the furniture (``models``), whose shapes
+are in other files. As in the editor, metres a pixel are the mean of a level's measurements, and fiducials of one name
+lie above each other.
 """
 
 from __future__ import annotations
@@ -172,7 +173,10 @@ def _scale(path: Path, name: str, level: Mapping[str, Any], points: Points) -> f
     with _expecting(path, name, "measurements"):
         rows = level.get("measurements") or ()
         ends = points[[[int(row[0]), int(row[1])] for row in rows]] if rows else np.zeros((0, 2))
-        scales = [float(row[2]["distance"][1]) / abs(first - last) for row, (first, last) in zip(rows, ends, strict=True)]
+        scales = [
+            float(row[2]["distance"][1]) / float(abs(first - last))
+            for row, (first, last) in zip(rows, ends, strict=True)
+        ]
         if not scales or not 1e-6 <= np.mean(scales) <= 1e3:
             raise ValueError(f"{len(scales)} measurements")
         return float(np.mean(scales))

@@ -75,7 +75,9 @@ def _sampled(path: Path, mesh: Points, apart: float) -> Points:
     sides = np.linalg.norm(mesh - mesh[:, [1, 2, 0]], axis=-1).max(axis=-1)
     wanted = float(((sides / apart + 1) ** 2).sum())
     if wanted > MAX_POINTS:
-        raise InputError(f"{path}: expected surfaces of at most {MAX_POINTS:,} points, got some {wanted:,.0f}; scale it")
+        raise InputError(
+            f"{path}: expected surfaces of at most {MAX_POINTS:,} points, got some {wanted:,.0f}; scale it"
+        )
     corners = mesh.reshape(-1, 3)
     points, _ = subdivide_to_size(corners, np.arange(len(corners)).reshape(-1, 3), apart, max_iter=32)
     return np.asarray(points, np.float64)

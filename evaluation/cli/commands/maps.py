@@ -52,7 +52,7 @@ class MapsOptions(Request):
     data: DATA_FOLDERS = ()
     """Where the suite's map files are: clones of their repositories, or folders that have the clones in them."""
     save: Annotated[Path | None, Option(metavar="FILE.png|.npy|.bt")] = None
-    """Write the map for --maps: a picture of a pixel a cell, white where it is free, an array, or an octree of OctoMap."""
+    """Write the map for --maps: as a picture, a pixel a cell and white where it is free, an array, or an OctoMap."""
     compare: Annotated[tuple[str, ...], Option(metavar="PRESET|FILE.toml,...", read=read_names)] = ()
     """Say instead how far the maps of these scenarios are from the map files, statistic by statistic."""
     samples: Annotated[int | None, Option(metavar="N", read=read_count)] = None

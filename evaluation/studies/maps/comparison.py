@@ -107,7 +107,8 @@ def measured(name: str, plans: Sequence[Floorplan], scenario: Scenario, seed: in
     found: dict[str, list[NDArray[np.float64]]] = {kind.name: [] for kind in COMPARED}
     for number, plan in enumerate(plans):
         flight = sampled_frontiers(plan, scenario, seed + number)
-        values = map_statistics(plan.main_part)
+        levels = [map_statistics(floor) for floor in plan.floors()]
+        values = {name: np.concatenate([level[name] for level in levels]) for name in levels[0]}
         values["pocket"], values["clusters"] = flight.pockets, flight.clusters
         for kind in COMPARED:
             found[kind.name].append(values[kind.name])

@@ -139,9 +139,10 @@ def test_files_of_every_kind_are_shown(capsys, tmp_path):
         (["--suite", "rooms", "--scenario", "maze"], "got several"),
         (["--suite", "romos"], "did you mean 'rooms'"),
         (["--suite", "floors"], "suite 'floors' lacks map files below --data"),
-        (["--suite", "rooms", "--seed", "1"], "expected --scenario with --seed and --set"),
-        (["a.png", "--seed", "3"], "expected --scenario with --seed and --set"),
-        (["a.png", "--set", "map.height=5"], "expected --scenario with --seed and --set"),
+        (["--suite", "rooms", "--seed", "1"], "expected --scenario with --seed, got maps that have none"),
+        (["--suite", "rooms", "--set", "map.height=5"], "expected --scenario or map files with --set, got a suite"),
+        (["a.png", "--seed", "3"], "expected --scenario with --seed, got maps that have none"),
+        (["a.png", "--set", "map.height=5"], "no setting 'map.height'"),
         (["--scenario", "maez"], "did you mean 'maze'"),
         (["--scenario", "maze", "--resolution", "2"], "expected map files with --resolution, got other maps"),
         (["--scenario", "maze", "--set", "map.corridr=2"], "did you mean 'map.corridor'"),
@@ -164,6 +165,36 @@ def test_a_saved_map_is_read_with_the_same_cells(name, tmp_path, capsys):
     largest = np.where(drawn.main_part, drawn.truth, 2)
     np.testing.assert_array_equal(read_map(saved).truth, largest)
     assert f"Map: {saved}" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("kind", ["npy", "bt"])
+def test_a_saved_map_of_several_levels_is_read_with_the_same_cells(kind, tmp_path, capsys):
+    saved = tmp_path / f"tower.{kind}"
+    assert main(["maps", "--scenario", "small-storeys", "--seed", "2", "--save", str(saved)]) == 0
+    assert read_map(saved).digest == draw_floorplan(scenario("small-storeys"), 2).digest
+    assert f"Map: {saved}" in capsys.readouterr().out
+
+
+def test_a_picture_of_several_levels_is_refused(tmp_path, capsys):
+    assert main(["maps", "--scenario", "small-storeys", "--save", str(tmp_path / "tower.png")]) == 2
+    assert "expected a kind of map file that holds 7 levels: .npy or .bt, got '.png'" in capsys.readouterr().err
+
+
+def test_rooms_are_counted_on_each_level_and_levels_that_are_alike_told_together():
+    level = np.pad(np.ones((5, 11), np.bool_), 1)
+    level[:, 6] = level[0, 6]
+    level[3, 6] = True  # two rooms and a door
+    slab = np.zeros_like(level)
+    slab[2, 2] = True
+    tower = Floorplan.from_free(np.stack([level, level, slab, level]), "tower", resolution=0.5)
+    rooms = "63% free; 2 rooms, 0 corridors, 1 door, 0 loops; at most 1 passage from one to another"
+    lines = layout(tower).split("\n")
+    assert [lines[0], lines[2]] == [f"levels 0 to 1: {rooms}", f"level 3: {rooms}"]
+    assert lines[1].startswith("level 2: 1% free; 1 room")
+    assert "154 free (19.2 m3)" in facts(tower)
+    alone = statistics_of(Floorplan.from_free(level, "floor", resolution=0.5))
+    assert statistics_of(Floorplan.from_free(np.stack([level, level]), "tower", resolution=0.5)) == pytest.approx(alone)
+    assert statistics(tower, statistics_of(tower)).startswith(f"{alone.kind}, mean over levels: clearance ")
 
 
 @pytest.mark.parametrize("where", ["floor.pgm", "no-folder/floor.png"])
