@@ -152,4 +152,4 @@ def _octants(codes: Belief) -> Belief:
 def _morton(places: NDArray[np.int64]) -> NDArray[np.int64]:
     """Return the place in depth-first order of (n, 3) voxels (z, y, x): their bits interleaved."""
     bits = (places[:, [2, 1, 0], None] >> np.arange(DEPTH)) & 1
-    return (bits << (3 * np.arange(DEPTH) + np.arange(3)[:, None])).sum(axis=(1, 2))
+    return np.asarray((bits << (3 * np.arange(DEPTH) + np.arange(3)[:, None])).sum(axis=(1, 2)))

@@ -6,7 +6,7 @@ Format of ``.pcd``: https://pointclouds.org/documentation/tutorials/pcd_file_for
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,9 +17,6 @@ from indoor_explorers.env.grid.cells import FREE, OCCUPIED
 from indoor_explorers.env.maps.readers.opening import decoding, read_bytes
 from indoor_explorers.env.maps.reduction import check_cells
 from indoor_explorers.env.search.connected_parts import connected_parts
-
-if TYPE_CHECKING:
-    import trimesh
 
 #: Metres a cell where none are asked for: a door of 0.9 m stays open between walls that are drawn into whole cells.
 RESOLUTION = 0.25
@@ -61,7 +58,7 @@ def _parse_mesh(path: Path) -> tuple[Points, Points]:
         ) from error
     read_bytes(path, MAX_BYTES, "a mesh")
     with decoding(path, f"a mesh or points in {path.suffix[1:].upper()}"):
-        parts: list[trimesh.Trimesh | trimesh.PointCloud] = trimesh.load_scene(path).dump()
+        parts: list[Any] = trimesh.load_scene(path).dump()
         meshes = [part.triangles for part in parts if isinstance(part, trimesh.Trimesh)]
         clouds = [part.vertices for part in parts if isinstance(part, trimesh.PointCloud)]
         found = np.concatenate([np.zeros((0, 3, 3)), *meshes]), np.concatenate([np.zeros((0, 3)), *clouds])
@@ -105,9 +102,9 @@ def _parse_pcd(path: Path) -> Points:
         columns = zip(facts["FIELDS"], facts["TYPE"], facts["SIZE"], counts, strict=True)
         # a place in front of each name, since fillers are all named _
         layout = [(f"{at} {name}", f"<{_KINDS[k]}{size}", (n,)) for at, (name, k, size, n) in enumerate(columns)]
-        rows = np.frombuffer(body, np.dtype(layout), int(facts["POINTS"][0]))
+        records = np.frombuffer(body, np.dtype(layout), int(facts["POINTS"][0]))
         places = [facts["FIELDS"].index(axis) for axis in "xyz"]
-        return np.concatenate([rows[layout[at][0]].astype(np.float64) for at in places], axis=1)
+        return np.concatenate([records[layout[at][0]].astype(np.float64) for at in places], axis=1)
 
 
 def _check_size(path: Path, points: Points, metres: float) -> None:

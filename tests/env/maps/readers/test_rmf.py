@@ -122,7 +122,7 @@ def test_a_scenario_counts_the_levels_anew_when_a_setting_changes_them(tower, tm
 
 def test_a_uav_flies_through_a_building(tower, tmp_path):
     path = saved(tmp_path, tower)
-    assert 0.4 < flown(path) < flown(path, steps=400)
+    assert 0.0 < flown(path, steps=5) < flown(path) == 1.0
 
 
 # fmt: off
