@@ -52,8 +52,8 @@ class BuildingSettings(BaseModel):
 
     storey: str | None = None
     """Name of the storey to explore alone, as a map of one level; None: all of them, with the slabs between."""
-    storey_height: float | None = Field(STOREY, gt=0.0, le=1000.0)
-    """Metres from a floor to the next; None: those between the file's elevations."""
+    storey_height: float = Field(STOREY, ge=0.0, le=1000.0)
+    """Metres from a floor to the next; 0: those between the file's elevations."""
     door_height: float = Field(2.1, gt=0.0, le=1000.0)
     """Metres from the floor to the lintel of a door; above it, the wall is closed."""
 

@@ -72,9 +72,9 @@ def stack_storeys(path: Path, settings: BuildingSettings, resolution: float | No
     return np.where(np.stack(levels), np.uint8(FREE), np.uint8(OCCUPIED)), metres
 
 
-def _heights(storeys: list[Storey], asked: float | None) -> list[float]:
+def _heights(storeys: list[Storey], asked: float) -> list[float]:
     """Return the metres from the floor of each storey to the next; the last one is as high as the one below."""
-    if asked is not None:
+    if asked > 0.0:
         return [asked] * len(storeys)
     found = np.maximum(np.diff([storey.elevation for storey in storeys]), 0.0).tolist()
     return [*found, found[-1] if found else STOREY]

@@ -47,5 +47,5 @@ def test_the_number_of_an_occupancy_grid_s_level_is_told_where_it_is_wrong(tmp_p
 
 
 def test_volumes_are_not_resampled(tower):
-    with pytest.raises(InputError, match=r"expected no --resolution for a map of several levels, got 2; omit it"):
+    with pytest.raises(InputError, match=r"expected no --resolution for an array of several levels, got 2; omit it"):
         read_map(tower[0], 2.0)
