@@ -84,10 +84,10 @@ class Levels(NamedTuple):
         level = rows // (self.height + 1) if self.number > 1 else np.zeros_like(rows)
         return np.stack((level, rows - level * (self.height + 1), cells[..., 1]), axis=-1)
 
-    def volume(self, plane: NDArray[Any]) -> NDArray[Any]:
-        """Return an array of the plane's shape as (L, H, W), read-only and without a copy."""
+    def volume(self, plane: NDArray[Any], *, writeable: bool = False) -> NDArray[Any]:
+        """Return an array of the plane's shape as (L, H, W), without a copy and, unless ``writeable``, read-only."""
         along, across = plane.strides
-        return as_strided(plane, tuple(self), (along * (self.height + 1), along, across), writeable=False)
+        return as_strided(plane, tuple(self), (along * (self.height + 1), along, across), writeable=writeable)
 
     @property
     def between(self) -> Mask:
@@ -123,6 +123,12 @@ def offset(row: int, col: int, to_row: int, to_col: int, rise: int) -> tuple[int
     if rise == 0:
         return 0, to_row - row, to_col - col
     return to_row // rise - row // rise, to_row % rise - row % rise, to_col - col
+
+
+def coordinates(cells: NDArray[np.integer[Any]], width: int, rise: int) -> NDArray[np.int64]:
+    """Return the rows and columns (..., 2) of flat cells (...) of the plane, or levels, rows and columns (..., 3)."""
+    rows, cols = np.divmod(cells, width)
+    return np.stack((*np.divmod(rows, rise), cols) if rise > 0 else (rows, cols), axis=-1)
 
 
 @inner()

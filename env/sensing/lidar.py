@@ -125,12 +125,12 @@ def view_gain(belief: Belief, cell: tuple[int, int], lidar_range: LidarModel | f
     return int(unknown_in_view(belief, cell[0], cell[1], lidar, new_scan(lidar)))
 
 
-def scan(truth: Belief, cell: tuple[int, int], lidar_range: float, model: str = "exact") -> Belief:
+def scan(truth: Belief, cell: tuple[int, int], lidar_range: LidarModel | float, model: str = "exact") -> Belief:
     """Return the (H, W) belief after one scan of ``truth`` at ``cell``, everything else unknown.
 
-    ``model`` is one of this package; those of plug-ins scan themselves.
+    The lidar is given as such, or by its range and a ``model`` of this package; those of plug-ins scan themselves.
     """
-    lidar = lidar_model(float(lidar_range), model)
+    lidar = lidar_range if isinstance(lidar_range, LidarModel) else lidar_model(float(lidar_range), model)
     work = new_scan(lidar)
     seen = work.cells[: visible_cells(truth, cell[0], cell[1], lidar, work)]
     belief = np.full(truth.shape, UNKNOWN, np.uint8)

@@ -181,7 +181,7 @@ def suited_alone(briefing: Briefing) -> str:
 
 
 def _is_room(briefing: Briefing) -> bool:
-    return max(briefing.shape) <= ROOM
+    return max(briefing.shape) <= ROOM and briefing.level_count == 1
 
 
 def _is_empty(briefing: Briefing) -> bool:

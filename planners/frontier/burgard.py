@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.grid.compiled import kernel
+from indoor_explorers.env.grid.levels import coordinates
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.env.sensing.lidar import LidarModel, lidar_model, new_scan, visible_cells
+from indoor_explorers.env.sensing.lidar import LidarModel, model_of, new_scan, visible_cells
 from indoor_explorers.planners.frontier.group_pilot import ClusterChoices, GroupPilot
 from indoor_explorers.planners.toolbox.parameters import SwitchCostParameters, bounded
 
@@ -51,6 +52,7 @@ class SequentialPilot(GroupPilot):
         self.switch_cost, self.weight, self.reach = (
             value * briefing.lidar_range for value in (switch_cost, weight, reach)
         )
+        self._near = self.lidar_of(float(self.reach))
 
     def score(self, gains: NDArray[np.float64], costs: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the scores (N, K) of pairs of UAV and cluster, from the clusters' gains (K,) and costs in steps."""
@@ -75,7 +77,7 @@ class SequentialPilot(GroupPilot):
                 )
                 return int(best)
             waiting[uav] = False
-            lost = nearness(view.belief, int(choices.cells[uav, best]), places, self.reach)
+            lost = nearness(view.belief, int(choices.cells[uav, best]), places, self._near, self.paths.rise)
             costs = costs + self.weight * lost
 
 
@@ -87,9 +89,14 @@ def _in_sight(belief: np.ndarray, origin: int, cells: np.ndarray, lidar: LidarMo
     return np.asarray(seen[cells])
 
 
-def nearness(belief: Belief, origin: int, cells: NDArray[np.int32], reach: float) -> NDArray[np.float64]:
-    """Return the closeness of (K,) flat cells to ``origin``, (K,): 1 there, 0 at ``reach`` cells or behind a wall."""
-    rows, cols = np.divmod(cells, belief.shape[1])
-    row, col = divmod(origin, belief.shape[1])
-    near = np.maximum(0.0, 1.0 - np.hypot(rows - row, cols - col) / max(reach, 1e-9))
-    return np.asarray(near * _in_sight(belief, origin, cells, lidar_model(float(reach))))
+def nearness(
+    belief: Belief, origin: int, cells: NDArray[np.int32], reach: LidarModel | float, rise: int = 0
+) -> NDArray[np.float64]:
+    """Return the closeness of (K,) flat cells to ``origin``, (K,): 1 there, 0 at ``reach`` cells or behind a wall.
+
+    ``reach`` may be given as the lidar that sees so far.
+    """
+    lidar, width = model_of(reach), belief.shape[1]
+    apart = coordinates(cells, width, rise) - coordinates(np.int64(origin), width, rise)
+    near = np.maximum(0.0, 1.0 - np.hypot.reduce(apart, axis=1) / max(lidar.range, 1e-9))
+    return np.asarray(near * _in_sight(belief, origin, cells, lidar))

@@ -96,8 +96,7 @@ class GroupPilot(GoalPilot):
         """Return the cluster of a goal, or of the frontier cell that replaces it, (clusters,) bool."""
         held = np.zeros(clusters.size, np.bool_)
         if goal is not None and clusters.size:
-            rows, cols = np.divmod(clusters.cells, self.paths.width)
-            away = (rows - goal[0]) ** 2 + (cols - goal[1]) ** 2
+            away = ((self.coordinates(clusters.cells) - self.coordinates(goal)) ** 2).sum(axis=1)
             place = int(away.argmin())
             near = away[place] <= (INHERITANCE * self.briefing.lidar_range) ** 2
             held[np.searchsorted(clusters.ends, place, side="right") - 1] = near

@@ -55,11 +55,11 @@ class MrtspPilot(SequentialPilot):
 
     def gains(self, view: View, choices: ClusterChoices) -> NDArray[np.float64]:
         """Return the size of each cluster, (K,); note what :meth:`score` adds to the costs of each pair."""
-        ends, (rows, cols) = choices.clusters.ends, np.divmod(choices.clusters.cells, self.paths.width)
+        ends, places = choices.clusters.ends, self.coordinates(choices.clusters.cells)
         sizes = np.diff(ends)
-        means = np.stack([np.add.reduceat(axis, ends[:-1]) / sizes for axis in (rows, cols)])[:, choices.numbers]
-        nearest = np.stack(np.divmod(choices.cells, self.paths.width))
-        self._spread = np.hypot(*(nearest - means[:, None, :])) * 2.0 - self.briefing.lidar_range
+        means = (np.add.reduceat(places, ends[:-1]) / sizes[:, None])[choices.numbers]
+        spread = np.hypot.reduce(self.coordinates(choices.cells) - means, axis=-1)
+        self._spread = spread * 2.0 - self.briefing.lidar_range
         self._start = np.zeros(choices.steps.shape)
         self._start[choices.me] = np.minimum(choices.steps[choices.me], self._quarter_turns(view.cell, means))
         self._before = view.cell
@@ -70,9 +70,12 @@ class MrtspPilot(SequentialPilot):
         return -((costs + self._spread) / gains + self._policy.start_weight * self._start)
 
     def _quarter_turns(self, cell: Cell, places: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the angles (K,) between the last flight and the way to each of (2, K) places, in quarter turns."""
-        flown = np.subtract(cell, self._before or cell)
-        ways = places - np.array(cell, np.float64)[:, None]
-        turned = np.arctan2(*ways) - np.arctan2(*flown)
-        angles = np.abs((turned + np.pi) % (2 * np.pi) - np.pi)
+        """Return the angles (K,) between the last flight and the way to each of (K, D) places, in quarter turns."""
+        flown = self.coordinates(cell) - self.coordinates(self._before or cell)
+        ways = places - self.coordinates(cell)
+        if self.paths.rise > 0:
+            angles = np.arctan2(np.linalg.norm(np.cross(ways, flown), axis=-1), ways @ flown)
+        else:
+            turned = np.arctan2(*ways.T) - np.arctan2(*flown)
+            angles = np.abs((turned + np.pi) % (2 * np.pi) - np.pi)
         return np.asarray(angles * (2 / np.pi) * flown.any())

@@ -58,7 +58,7 @@ class TourPilot(GroupPilot):
         uavs, count = len(choices.steps), len(at_hand)
         costs = np.zeros((uavs + count, uavs + count))
         costs[:uavs, uavs:] = choices.costs(self._policy.switch_cost * self.briefing.lidar_range)[:, at_hand]
-        places = middles(choices.clusters, self.paths.width)[choices.numbers[at_hand]]
+        places = middles(choices.clusters, self.paths.width, self.paths.rise)[choices.numbers[at_hand]]
         costs[uavs:, uavs:] = self._between.steps(view.belief, places)
         own = np.flatnonzero(shared_out(costs, uavs) == choices.me) if uavs > 1 else at_hand
         if not len(own):

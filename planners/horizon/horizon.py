@@ -42,8 +42,8 @@ class Horizon(Parameters, Policy):
     transparent. It aims at the scenario's goal coverage. Cells are weighted by their probability to be free: with
     ``prior`` "source" and a generator of random rooms, the probability is computed from the generator's statistics
     (``briefing.generator``: number, sizes and margins of obstacles; never the map); otherwise, and with "belief", it is
-    learned during the flight from the UAV's own map. On larger maps, or if no tour is found, ``beyond`` plans a few
-    frontiers ahead instead.
+    learned during the flight from the UAV's own map. On larger maps, on those of several levels, or if no tour is
+    found, ``beyond`` plans a few frontiers ahead instead.
 
     Receding-horizon exploration: A. Bircher et al., ICRA 2016, doi:10.1109/ICRA.2016.7487281; the search over whole
     tours is this project's.
@@ -85,7 +85,7 @@ class Horizon(Parameters, Policy):
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""
         beyond = self.beyond.pilot(briefing)
-        if briefing.shape[0] * briefing.shape[1] > self.room:
+        if briefing.shape[0] * briefing.shape[1] > self.room or briefing.level_count > 1:
             return beyond
         return HorizonPilot(briefing, self, beyond)
 

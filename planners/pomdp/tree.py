@@ -80,7 +80,7 @@ def isolation_weights(belief: np.ndarray, isolation: float) -> np.ndarray:
     for row in range(height):
         for col in range(width):
             if belief[row, col] == UNKNOWN:
-                weights[row * width + col] = 1.0 + isolation * known_around(belief, row, col) / AROUND
+                weights[row * width + col] = 1.0 + isolation * known_around(belief, row, col, 0) / AROUND
     return weights
 
 

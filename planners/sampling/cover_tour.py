@@ -83,7 +83,7 @@ class CoverTourPilot(ViewpointPilot):
     def _candidates(self, view: View) -> NDArray[np.int32]:
         """Return the flat cells (K,) of the lattice, in the middle of frontier clusters, and of the last tour."""
         regular = np.flatnonzero(self._lattice & (view.belief == FREE))
-        ends = middles(self.clusters(view), self.paths.width)
+        ends = middles(self.clusters(view), self.paths.width, self.paths.rise)
         return np.union1d(np.union1d(regular, ends), self._stops).astype(np.int32)
 
     def _tour(self, view: View, viewpoints: Viewpoints, bits: NDArray[np.uint64]) -> NDArray[np.int32]:

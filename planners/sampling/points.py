@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Belief, Cell
 from indoor_explorers.env.grid.cells import FREE
+from indoor_explorers.env.grid.levels import coordinates
 
 #: (K, D) coordinates.
 Points = NDArray[np.float64]
@@ -22,12 +23,6 @@ def extent(shape: tuple[int, ...], rise: int) -> tuple[int, ...]:
     return ((shape[0] + 1) // rise, rise - 1, shape[1]) if rise > 0 else shape
 
 
-def corners(cells: NDArray[np.integer], width: int, rise: int) -> NDArray[np.int64]:
-    """Return the lowest coordinates of (K,) flat cells, (K, D)."""
-    rows, cols = np.divmod(cells, width)
-    return np.stack((*np.divmod(rows, rise), cols) if rise > 0 else (rows, cols), axis=-1)
-
-
 def centre(cell: Cell, rise: int) -> tuple[float, ...]:
     """Return the coordinates of the centre of a cell of the plane, (D,)."""
     row, col = cell
@@ -36,7 +31,7 @@ def centre(cell: Cell, rise: int) -> tuple[float, ...]:
 
 def points_in(cells: NDArray[np.int32], width: int, rise: int, rng: np.random.Generator) -> Points:
     """Draw one point in each of (K,) flat cells, (K, D)."""
-    begin = corners(cells, width, rise)
+    begin = coordinates(cells, width, rise)
     return begin + rng.random(begin.shape)
 
 
@@ -56,4 +51,4 @@ def lengths(vectors: NDArray[np.floating | np.integer]) -> NDArray[np.float64]:
 
 def distances_to(cells: NDArray[np.int32], cell: Cell, width: int, rise: int) -> NDArray[np.float64]:
     """Return the straight distances from (K,) flat cells to a cell of the plane, (K,)."""
-    return lengths(corners(cells, width, rise) - corners(np.array([cell[0] * width + cell[1]]), width, rise))
+    return lengths(coordinates(cells, width, rise) - coordinates(np.array([cell[0] * width + cell[1]]), width, rise))

@@ -11,11 +11,12 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.grid.cells import UNREACHABLE
+from indoor_explorers.env.grid.levels import Levels
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.toolbox.coordination.out_of_contact import OutOfContact
-from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters, nearest_cells
+from indoor_explorers.planners.toolbox.frontiers.clusters import nearest_cells
 from indoor_explorers.planners.toolbox.information.view_gain import WeightedGains
 from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
 from indoor_explorers.planners.toolbox.navigation.teammates import linked, message_of, sent_goal
@@ -93,25 +94,26 @@ class Pheromone:
     """The pheromone on a map as one UAV knows it, (H, W).
 
     Args:
-        shape: (H, W) of the map.
+        levels: The size of the map.
         radius: Distance up to which pheromone is laid around a place, in cells.
         spread: Distance at which 1 / e of it is laid, in cells.
 
     """
 
-    def __init__(self, shape: tuple[int, int], radius: float, spread: float) -> None:
-        self.field = np.zeros(shape)
+    def __init__(self, levels: Levels, radius: float, spread: float) -> None:
+        self.field = np.zeros(levels.shape)
+        self._levels, self._volume = levels, levels.volume(self.field, writeable=True)
         self._reach = ceil(radius)
         away = np.arange(-self._reach, self._reach + 1)
-        far = np.hypot(away[:, None], away)
+        far = np.hypot(away[:, None, None], np.hypot(away[:, None], away))
         self._stamp = np.where(far <= radius, np.exp(-far / spread), 0.0)
 
     def lay(self, cell: Cell, amount: float) -> None:
-        """Lay pheromone around a cell."""
-        rows, cols = (slice(max(0, at - self._reach), at + self._reach + 1) for at in cell)
-        top, left = (max(0, self._reach - at) for at in cell)
-        part = self.field[rows, cols]
-        part += amount * self._stamp[top : top + part.shape[0], left : left + part.shape[1]]
+        """Lay pheromone around a cell, above and below it, too."""
+        place = self._levels.voxel(cell)
+        part = self._volume[tuple(slice(max(0, at - self._reach), at + self._reach + 1) for at in place)]
+        begins = [max(0, self._reach - at) for at in place]
+        part += amount * self._stamp[tuple(map(slice, begins, np.add(begins, part.shape)))]
 
     def evaporate(self, share: float) -> None:
         """Let a share of all pheromone evaporate."""
@@ -136,13 +138,14 @@ def transition(weights: Numbers, greed: float, rng: np.random.Generator) -> int:
 class AntPilot(GoalPilot):
     """Lay pheromone at each step, and choose clusters by it."""
 
+    changes_levels: ClassVar[bool] = True
     straight = True
 
     def __init__(self, briefing: Briefing, policy: Aco) -> None:
         super().__init__(briefing)
         self._policy, self._lidar = policy, float(briefing.lidar_range)
-        self._gains = WeightedGains(briefing.shape, self._lidar, policy.decay_length, policy.isolation)
-        self._pheromone = Pheromone(briefing.shape, self._lidar, policy.spread * self._lidar)
+        self._gains = WeightedGains(briefing.shape, self.lidar, policy.decay_length, policy.isolation)
+        self._pheromone = Pheromone(briefing.levels, self._lidar, policy.spread * self._lidar)
         self._out_of_contact = OutOfContact(briefing)
         self.replan_period = self.steps_in(policy.period)
 
@@ -159,7 +162,7 @@ class AntPilot(GoalPilot):
 
     def choose(self, view: View) -> Cell | None:
         """Return the nearest cell of the cluster that the transition rule picks."""
-        cells, steps = nearest_cells(self.steps_from(view, view.cell), frontier_clusters(view.belief, self._lidar))
+        cells, steps = nearest_cells(self.steps_from(view, view.cell), self.clusters(view))
         fine = (steps < UNREACHABLE) & ~self.near_banned(view, cells)
         cells, steps = cells[fine], steps[fine]
         goal = None

@@ -14,7 +14,7 @@ from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.toolbox.coordination.independent_pilot import IndependentPilot
-from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters, nearest_cells
+from indoor_explorers.planners.toolbox.frontiers.clusters import nearest_cells
 from indoor_explorers.planners.toolbox.information.view_gain import WeightedGains
 from indoor_explorers.planners.toolbox.parameters import GainParameters, bounded
 
@@ -101,10 +101,12 @@ def drawn(weights: Numbers, rng: np.random.Generator) -> int:
 class GlowwormPilot(IndependentPilot):
     """Keep the luciferin of the frontier clusters, and draw one of the brighter neighbours."""
 
+    changes_levels: ClassVar[bool] = True
+
     def __init__(self, briefing: Briefing, policy: Gso) -> None:
         super().__init__(briefing)
         self._policy = policy
-        self._gains = WeightedGains(briefing.shape, self._lidar, policy.decay_length, policy.isolation)
+        self._gains = WeightedGains(briefing.shape, self.lidar, policy.decay_length, policy.isolation)
         self._cells = np.empty(0, np.int32)
         self._luciferin = np.empty(0)
         self._reach = min(policy.start, policy.sensor) * self._lidar
@@ -112,8 +114,7 @@ class GlowwormPilot(IndependentPilot):
     def on_map_growth(self, view: View) -> None:
         """Update the luciferin of all glowworms; new ones start with that at which the update rests."""
         policy = self._policy
-        clusters = frontier_clusters(view.belief, self._lidar)
-        cells, steps = nearest_cells(self.steps_from(view, view.cell), clusters)
+        cells, steps = nearest_cells(self.steps_from(view, view.cell), self.clusters(view))
         cells = cells[steps < UNREACHABLE]
         fitness = self._fitness(view, cells)
         before = self._before(cells, policy.enhancement / policy.decay * fitness)
@@ -149,8 +150,7 @@ class GlowwormPilot(IndependentPilot):
         """Return the luciferin of the glowworms that were at (K,) flat cells before, ``at_rest`` for new ones, (K,)."""
         if len(self._cells) == 0 or len(cells) == 0:
             return at_rest
-        apart = self.points(cells)[:, None, :] - self.points(self._cells)[None, :, :]
-        away = np.hypot(apart[..., 0], apart[..., 1])
+        away = np.hypot.reduce(self.coordinates(cells)[:, None] - self.coordinates(self._cells)[None], axis=-1)
         nearest = away.argmin(axis=1)
         known = away[np.arange(len(cells)), nearest] <= SAME * self._lidar
         return np.where(known, self._luciferin[nearest], at_rest)

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Cell
-from indoor_explorers.env.grid.cells import MOVES, OCCUPIED, UNKNOWN
+from indoor_explorers.env.grid.cells import OCCUPIED, UNKNOWN, Action
 from indoor_explorers.env.grid.compiled import inner, leaf
+from indoor_explorers.env.grid.levels import beside, degree, offset, target_of
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.toolbox.coordination.independent_pilot import IndependentPilot
@@ -62,7 +63,7 @@ class Hedac(Parameters, Policy):
 
 @leaf()
 def heat_up(
-    belief: np.ndarray, claims: np.ndarray, radius: float, kept: float, sinks: np.ndarray, out: np.ndarray
+    belief: np.ndarray, claims: np.ndarray, radius: float, kept: float, sinks: np.ndarray, out: np.ndarray, rise: int
 ) -> None:
     """Fill ``out`` (H, W) with the heat source of each cell, ``SINK`` at those of the (M, 2) ``sinks``.
 
@@ -72,26 +73,24 @@ def heat_up(
     for row in range(height):
         for col in range(width):
             out[row, col] = 1.0 if belief[row, col] == UNKNOWN else 0.0
-    for m in range(claims.shape[0]):
-        for row in range(max(0, int(claims[m, 0] - radius)), min(height, int(claims[m, 0] + radius) + 1)):
-            for col in range(max(0, int(claims[m, 1] - radius)), min(width, int(claims[m, 1] + radius) + 1)):
-                away = (row - claims[m, 0]) ** 2 + (col - claims[m, 1]) ** 2
-                if out[row, col] > 0.0 and away <= radius * radius:
+            for m in range(claims.shape[0] if out[row, col] > 0.0 else 0):
+                levels, rows, cols = offset(int(claims[m, 0]), int(claims[m, 1]), row, col, rise)
+                if levels * levels + rows * rows + cols * cols <= radius * radius:
                     out[row, col] = kept
     for m in range(sinks.shape[0]):
         out[sinks[m, 0], sinks[m, 1]] = SINK
 
 
 @inner()
-def _settle(u: np.ndarray, belief: np.ndarray, heat: np.ndarray, loss: float, row: int, col: int) -> None:
+def _settle(u: np.ndarray, belief: np.ndarray, heat: np.ndarray, loss: float, row: int, col: int, rise: int) -> None:
     """Update the temperature of a cell from its neighbours."""
     height, width = belief.shape
     if belief[row, col] == OCCUPIED or heat[row, col] == SINK:
         u[row, col] = 0.0
         return
     total, count = heat[row, col], 0
-    for k in range(4):
-        r, c = row + MOVES[k, 0], col + MOVES[k, 1]
+    for k in range(degree(rise)):
+        r, c = beside(row, col, k, rise)
         if 0 <= r < height and 0 <= c < width and belief[r, c] != OCCUPIED:
             total += u[r, c]
             count += 1
@@ -99,30 +98,30 @@ def _settle(u: np.ndarray, belief: np.ndarray, heat: np.ndarray, loss: float, ro
 
 
 @leaf()
-def sweep(u: np.ndarray, belief: np.ndarray, heat: np.ndarray, loss: float) -> None:
+def sweep(u: np.ndarray, belief: np.ndarray, heat: np.ndarray, loss: float, rise: int = 0) -> None:
     """Update every cell of the (H, W) field ``u`` once forwards and once backwards (symmetric Gauss-Seidel)."""
     height, width = belief.shape
     for row in range(height):
         for col in range(width):
-            _settle(u, belief, heat, loss, row, col)
+            _settle(u, belief, heat, loss, row, col, rise)
     for row in range(height - 1, -1, -1):
         for col in range(width - 1, -1, -1):
-            _settle(u, belief, heat, loss, row, col)
+            _settle(u, belief, heat, loss, row, col, rise)
 
 
 @leaf()
-def climb(u: np.ndarray, belief: np.ndarray, row: int, col: int) -> int:
+def climb(u: np.ndarray, belief: np.ndarray, row: int, col: int, rise: int = 0) -> int:
     """Return the last known flat cell of the steepest ascent from (row, col) to an unknown cell, -1 for none."""
     height, width = belief.shape
     while True:
         top, best = -1, max(u[row, col], COLD)
-        for k in range(4):
-            r, c = row + MOVES[k, 0], col + MOVES[k, 1]
+        for k in range(degree(rise)):
+            r, c = beside(row, col, k, rise)
             if 0 <= r < height and 0 <= c < width and belief[r, c] != OCCUPIED and u[r, c] > best:
                 top, best = k, u[r, c]
         if top < 0:
             return -1
-        r, c = row + MOVES[top, 0], col + MOVES[top, 1]
+        r, c = beside(row, col, top, rise)
         if belief[r, c] == UNKNOWN:
             return int(row * width + col)
         row, col = r, c
@@ -131,6 +130,7 @@ def climb(u: np.ndarray, belief: np.ndarray, row: int, col: int) -> int:
 class HedacPilot(IndependentPilot):
     """Update a temperature field and fly to the end of its steepest ascent."""
 
+    changes_levels: ClassVar[bool] = True
     straight = False
     fallback_figure = "cold_starts"
 
@@ -150,22 +150,23 @@ class HedacPilot(IndependentPilot):
         return divmod(end, self.paths.width)
 
     def _ascent(self, view: View) -> int:
-        policy = self._policy
+        policy, rise = self._policy, self.paths.rise
         claimed = claims(view, self.briefing)
-        heat_up(view.belief, claimed, self._lidar, 1.0 - policy.cooling, self._sinks(view), self._heat)
+        heat_up(view.belief, claimed, self._lidar, 1.0 - policy.cooling, self._sinks(view), self._heat, rise)
         for done in range(1, policy.sweeps + 1):
-            sweep(self._field, view.belief, self._heat, policy.loss)
+            sweep(self._field, view.belief, self._heat, policy.loss, rise)
             if done >= min(FIRST_SWEEPS, policy.sweeps):
-                end = climb(self._field, view.belief, *view.cell)
+                end = climb(self._field, view.belief, *view.cell, rise)
                 if end >= 0:
                     return end
         return -1
 
     def _compare_ascents(self, view: View) -> None:
         """Consider where the ascents through the neighbouring cells end; the warmest neighbour leads to the goal."""
-        around = [tuple(each) for each in (np.asarray(view.cell) + MOVES[:4])[np.asarray(view.legal[:4])].tolist()]
+        rise, moves = self.paths.rise, np.flatnonzero(view.legal).tolist()
+        around = [target_of(view.cell, move, rise) for move in moves if move != Action.STAY]
         warmth = {cell: float(self._field[cell]) for cell in around if self._field[cell] > COLD}
-        ends = {cell: climb(self._field, view.belief, *cell) for cell in sorted(warmth, key=warmth.__getitem__)}
+        ends = {cell: climb(self._field, view.belief, *cell, rise) for cell in sorted(warmth, key=warmth.__getitem__)}
         best = {end: cell for cell, end in ends.items() if end >= 0}  # the warmest one last
         cells = np.array(list(best), np.int32)
         steps = self.steps_from(view, view.cell).ravel()[cells]

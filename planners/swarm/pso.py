@@ -263,9 +263,7 @@ class PsoPilot(CandidatePilot):
 
         Members may have heard of different teammates, so sectors count only for a UAV that is alone.
         """
-        left = self._out_of_contact.left_by_unheard(
-            view, np.stack(np.divmod(cells, self.paths.width), axis=1).astype(float)
-        )
+        left = self._out_of_contact.left_by_unheard_at_cells(view, cells)
         if len(members) > 1:
             left = np.ones(len(cells))
         for mate in absentees(members, self.briefing):

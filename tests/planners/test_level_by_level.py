@@ -22,7 +22,7 @@ def moves(policy, task, seed, steps=2000):
         world.step([actions])
 
 
-@pytest.mark.parametrize("explorer", ["frontier", "pso", "rrt", "aco"])
+@pytest.mark.parametrize("explorer", ["frontier", "pso", "rrt", "pso-robots"])
 def test_planners_for_plain_maps_explore_all_levels_one_after_the_other(explorer):
     *_, (world, _, _) = moves(LevelByLevel(explorer=explorer), TASK, 2)
     assert world.team_coverage[0] == 1.0

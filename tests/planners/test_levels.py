@@ -10,7 +10,7 @@ TASK = scenario("small-storeys").for_evaluation()
 CHANGE = (
     *("frontier-nearest", "frontier-utility", "frontier-burgard", "frontier-hungarian", "frontier-minpos"),
     *("frontier-mrtsp", "frontier-tour", "frontier-advantage", "frontier-latency", "frontier", "frontier-predictive"),
-    *("pso", "pso-predictive", "bat"),
+    *("pso", "pso-predictive", "bat", "gso", "aco", "hedac"),
     *("rrt", "rrt-nbv", "rrt-frontier", "rrt-predictive", "prm-tour", "cover-tour"),
     *("dddqn-places", "dddqn", "horizon", "reference"),
 )
@@ -36,7 +36,7 @@ def test_planners_that_change_levels_explore_all_of_them(name):
 
 
 def test_a_plan_for_one_level_stays_there_until_the_budget_is_flown():
-    world = flown("aco", 3)
+    world = flown("pso-robots", 3)
     again = World(TASK)
     again.reset([3])
     assert levels_of(world) == levels_of(again)

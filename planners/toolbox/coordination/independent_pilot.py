@@ -51,19 +51,14 @@ class IndependentPilot(GoalPilot):
         """Return also the number of goals that were nearest frontiers."""
         return {**super().tally(), self.fallback_figure: float(self._fallbacks)}
 
-    def points(self, cells: NDArray[np.int32]) -> NDArray[np.float64]:
-        """Return the rows and columns of (K,) flat cells, (K, 2)."""
-        return np.stack(np.divmod(cells, self.paths.width), axis=1).astype(np.float64)
-
     def not_dimmed(self, view: View, cells: NDArray[np.int32], dimming: float) -> NDArray[np.float64]:
         """Return the factors on the gains of (K,) flat cells near the goals of linked teammates, (K,).
 
         A gain loses the share ``dimming`` for each such goal within the lidar range.
         """
         sent = [goal for mate in linked(view) if (goal := sent_goal(mate)) is not None]
-        goals = np.array(sent, np.float64).reshape(-1, 2)
-        away = np.hypot(*(self.points(cells)[:, None, :] - goals[None, :, :]).transpose(2, 0, 1))
-        return np.asarray((1.0 - dimming) ** (away <= self._lidar).sum(axis=1))
+        near = sum((self.near_goal(goal, cells, self._lidar).astype(np.int64) for goal in sent), start=np.int64(0))
+        return np.broadcast_to((1.0 - dimming) ** near, len(cells))
 
     def left_by_others(self, view: View, cells: NDArray[np.int32], steps: Distances) -> NDArray[np.float64]:
         """Return the factors on the value of (K,) flat cells, ``steps`` away, for teammates out of contact, (K,)."""

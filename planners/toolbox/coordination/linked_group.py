@@ -73,5 +73,5 @@ def absentees(members: Sequence[LinkedMember], briefing: Briefing) -> list[Mate]
     return [
         mate
         for _, mate in sorted(latest.items())
-        if not any(should_be_linked(radio, member.cell, mate) for member in members)
+        if not any(should_be_linked(radio, member.cell, mate, briefing.rise) for member in members)
     ]

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from indoor_explorers.env.grid.arrays import Cell, Distances
+from indoor_explorers.env.grid.levels import coordinates
 from indoor_explorers.env.policies.view import Briefing, Mate, View
 from indoor_explorers.planners.toolbox.navigation.teammates import remembered, whereabouts
 
@@ -29,7 +30,7 @@ class Sectors:
 
     Without radio a UAV knows only its own number and the size of the team. This is enough to separate the UAVs: each
     prefers the clusters in its own sector. All sectors have the same number of cells, so that after a start near the
-    map's edge no UAV has an empty sector.
+    map's edge no UAV has an empty sector. Over several levels they are upright: each is the same on every level.
     """
 
     def __init__(self, shape: tuple[int, int], centre: tuple[float, float], team: int) -> None:
@@ -40,16 +41,17 @@ class Sectors:
 
     @classmethod
     def of(cls, briefing: Briefing, start: Cell) -> Sectors:
-        """Return the sectors of a briefing's map for a UAV that started in ``start``.
+        """Return the sectors of a briefing's map, or of a level of it, for a UAV that started in ``start``.
 
         They meet there, or in the middle of the map if the UAVs started in different places.
         """
-        together = briefing.scenario.spawn == "clustered"
-        middle = (briefing.shape[0] - 1) / 2, (briefing.shape[1] - 1) / 2
-        return cls(briefing.shape, start if together else middle, briefing.team)
+        _, height, width = briefing.levels
+        if briefing.scenario.spawn == "clustered":
+            return cls((height, width), briefing.levels.voxel(start)[1:], briefing.team)
+        return cls((height, width), ((height - 1) / 2, (width - 1) / 2), briefing.team)
 
     def shares(self, points: NDArray[np.float64], agent: int, strength: float) -> NDArray[np.float64]:
-        """Return the factors of clusters at (K, 2) rows and columns for a UAV, (K,) in (0, 1].
+        """Return the factors of clusters at (K, 2) rows and columns of a level for a UAV, (K,) in (0, 1].
 
         The factor is 1 in the middle of its sector and e^(-2 ``strength``) on the opposite side. Angles are measured by
         the share of the map's cells that they cover.
@@ -89,8 +91,8 @@ class OutOfContact:
     ) -> NDArray[np.float64]:
         """Return the factors of K candidates, (K,) in (0, 1], for all teammates out of contact.
 
-        ``points`` (K, 2) are the candidates' rows and columns, ``own_steps`` (K,) their path lengths from this UAV. The
-        first call must be made in the UAV's start cell.
+        ``points`` (K, 2) are the candidates' rows and columns on their levels, ``own_steps`` (K,) their path lengths
+        from this UAV. The first call must be made in the UAV's start cell.
         """
         left = self.left_by_unheard(view, points)
         for mate in remembered(view, self._briefing):
@@ -102,7 +104,7 @@ class OutOfContact:
         self, view: View, cells: NDArray[np.int32], own_steps: Distances, field_from: FieldFrom
     ) -> NDArray[np.float64]:
         """Return the factors of (K,) flat cells, (K,) in (0, 1], as :meth:`factors` does."""
-        return self.factors(view, _points(view, cells), own_steps, lambda cell: field_from(view, cell).ravel()[cells])
+        return self.factors(view, self._points(cells), own_steps, lambda cell: field_from(view, cell).ravel()[cells])
 
     def left_by_unheard(self, view: View, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the factors of K candidates, (K,) in (0, 1], for teammates never heard, from the sectors alone."""
@@ -115,13 +117,12 @@ class OutOfContact:
 
     def left_by_unheard_at_cells(self, view: View, cells: NDArray[np.int32]) -> NDArray[np.float64]:
         """Return the factors of (K,) flat cells, (K,) in (0, 1], as :meth:`left_by_unheard` does."""
-        return self.left_by_unheard(view, _points(view, cells))
+        return self.left_by_unheard(view, self._points(cells))
 
     def _left_by_silent(self, mate: Mate, own_steps: Distances, steps_from: StepsFrom) -> NDArray[np.float64]:
         ahead = np.maximum(0, own_steps - steps_from(whereabouts(mate)))
         return np.asarray(np.maximum(LEAST, np.exp(-ahead / self._silence)))
 
-
-def _points(view: View, cells: NDArray[np.int32]) -> NDArray[np.float64]:
-    """Return the rows and columns (K, 2) of (K,) flat cells."""
-    return np.stack(np.divmod(cells, view.belief.shape[1]), axis=1).astype(np.float64)
+    def _points(self, cells: NDArray[np.int32]) -> NDArray[np.float64]:
+        """Return the rows and columns (K, 2) of (K,) flat cells, on their levels."""
+        return coordinates(cells, self._briefing.shape[1], self._briefing.rise)[:, -2:].astype(np.float64)

@@ -31,7 +31,8 @@ class UnknownWeight(NamedTuple):
     """Parameters of the weight of an unknown cell: (1 + isolation k / 24) e^(-depth / decay_length)."""
 
     isolation: float
-    """Weight of k, the number of cells in its 5x5 neighbourhood that are known or off the map."""
+    """Weight of k, the number of cells in its 5x5 neighbourhood that are known or off the map; over several levels the
+    share in its cube of 5x5x5, times 24."""
     decay_length: float
     """Length in cells; the depth is the cell's distance from known free space through unknown cells."""
 
@@ -57,10 +58,10 @@ def depths(belief: np.ndarray, queue: np.ndarray, out: np.ndarray, rise: int = 0
 
 
 @leaf()
-def cell_weight(belief: np.ndarray, depth: np.ndarray, cell: int, weight: UnknownWeight) -> float:
+def cell_weight(belief: np.ndarray, depth: np.ndarray, cell: int, weight: UnknownWeight, rise: int = 0) -> float:
     """Return the weight of a flat unknown cell of a (H, W) belief; ``depth`` (H, W) is filled by :func:`depths`."""
     row, col = divmod(cell, belief.shape[1])
-    isolated = 1.0 + weight.isolation * known_around(belief, row, col) / AROUND
+    isolated = 1.0 + weight.isolation * known_around(belief, row, col, rise) / AROUND
     return float(isolated * np.exp(-depth[row, col] / weight.decay_length))
 
 
@@ -69,7 +70,7 @@ def _visible_unknown(
     belief: np.ndarray, cells: np.ndarray, depth: np.ndarray, weight: UnknownWeight, lidar: LidarModel, scan: Scan
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the unknown cells in view of each candidate, (K, disc + 1), their number, (K,), and all cells' weights."""
-    width = belief.shape[1]
+    width, rise = belief.shape[1], rise_of(belief.shape[0], lidar.volume.levels)
     lists, sizes = np.empty((cells.shape[0], lidar.disc + 1), np.int32), np.zeros(cells.shape[0], np.int64)
     value = np.zeros(belief.size)
     for k in range(cells.shape[0]):
@@ -77,7 +78,7 @@ def _visible_unknown(
             cell = scan.cells[place]
             if belief[cell // width, cell % width] == UNKNOWN:
                 if value[cell] == 0.0:
-                    value[cell] = cell_weight(belief, depth, cell, weight)
+                    value[cell] = cell_weight(belief, depth, cell, weight, rise)
                 lists[k, sizes[k]] = cell
                 sizes[k] += 1
     return lists, sizes, value

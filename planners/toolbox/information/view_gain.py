@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.grid.cells import UNKNOWN
 from indoor_explorers.env.grid.compiled import kernel, leaf
-from indoor_explorers.env.grid.levels import offset, rise_of
+from indoor_explorers.env.grid.levels import offset, on_level, rise_of
 from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.sensing.lidar import LidarModel, Scan, model_of, new_scan, visible_cells
 
@@ -19,7 +19,7 @@ from indoor_explorers.env.sensing.lidar import LidarModel, Scan, model_of, new_s
 def _unclaimed(
     belief: np.ndarray, cells: np.ndarray, claims: np.ndarray, radius: float, lidar: LidarModel
 ) -> np.ndarray:
-    width = belief.shape[1]
+    width, rise = belief.shape[1], rise_of(belief.shape[0], lidar.volume.levels)
     scan = new_scan(lidar)
     gains = np.zeros(cells.shape[0], np.int64)
     for k in range(cells.shape[0]):
@@ -27,8 +27,8 @@ def _unclaimed(
             row, col = divmod(scan.cells[place], width)
             counts = belief[row, col] == UNKNOWN
             for m in range(claims.shape[0]):
-                rows, cols = row - claims[m, 0], col - claims[m, 1]
-                counts &= rows * rows + cols * cols > radius * radius
+                levels, rows, cols = offset(int(claims[m, 0]), int(claims[m, 1]), row, col, rise)
+                counts &= levels * levels + rows * rows + cols * cols > radius * radius
             gains[k] += counts
     return gains
 
@@ -38,8 +38,8 @@ def unclaimed_gains(
 ) -> NDArray[np.int64]:
     """Return the number of unknown cells that are visible from each of (K,) flat cells and not claimed, (K,).
 
-    ``claims`` is (M, 2) rows and columns of other UAVs' goals; cells within the lidar range of one, on its level, are
-    claimed. The lidar is given as such or by its range.
+    ``claims`` is (M, 2) rows and columns of other UAVs' goals; cells within the lidar range of one are claimed. The
+    lidar is given as such or by its range.
     """
     lidar = model_of(lidar_range)
     return np.asarray(_unclaimed(belief, cells, claims, lidar.range, lidar))
@@ -88,14 +88,20 @@ STALE = -1.0
 
 
 @leaf(entry=False)
-def known_around(belief: np.ndarray, row: int, col: int) -> int:
-    """Count the cells around an unknown one of a (H, W) belief that are known or off the map, at most ``AROUND``."""
-    height, width = belief.shape
+def known_around(belief: np.ndarray, row: int, col: int, rise: int) -> float:
+    """Count the cells around an unknown one of a (H, W) belief that are known or off the map, at most ``AROUND``.
+
+    Over several levels those of the cube around it are counted, and the number is scaled to the same maximum.
+    """
+    levels, height = ((belief.shape[0] + 1) // rise, rise - 1) if rise > 0 else (1, belief.shape[0])
+    (level, at), up = on_level(row, rise), NEIGHBOURHOOD if rise > 0 else 0
     unknown = 0
-    for r in range(max(0, row - NEIGHBOURHOOD), min(height, row + NEIGHBOURHOOD + 1)):
-        for c in range(max(0, col - NEIGHBOURHOOD), min(width, col + NEIGHBOURHOOD + 1)):
-            unknown += belief[r, c] == UNKNOWN
-    return AROUND + 1 - unknown
+    for k in range(max(0, level - up), min(levels, level + up + 1)):
+        for r in range(max(0, at - NEIGHBOURHOOD), min(height, at + NEIGHBOURHOOD + 1)):
+            for c in range(max(0, col - NEIGHBOURHOOD), min(belief.shape[1], col + NEIGHBOURHOOD + 1)):
+                unknown += belief[k * rise + r, c] == UNKNOWN
+    others = (AROUND + 1) * (2 * up + 1) - 1
+    return float(AROUND * (others + 1 - unknown)) / others
 
 
 @kernel(entry=False)
@@ -111,7 +117,7 @@ def _weighted(
         if belief[r, c] == UNKNOWN:
             up, down, right = offset(row, col, r, c, rise)
             gain += depths[up + levels, down + middle, right + middle] * (
-                1.0 + isolation * (known_around(belief, r, c) / AROUND)
+                1.0 + isolation * (known_around(belief, r, c, rise) / AROUND)
             )
     return gain
 
@@ -165,8 +171,8 @@ class WeightedGains:
     """Weighted view gains, in which near and isolated cells have more weight; unchanged gains are cached.
 
     An unknown cell visible at distance r has the weight ``exp(-r / (decay_length R)) (1 + isolation k)``, R the lidar
-    range and k the share of the 24 cells around it that are known or off the map: a far cell is more likely to be
-    hidden behind a wall that is not known yet, and an isolated cell would cost a detour later.
+    range and k the share of the 24 cells around it, or 124 over several levels, that are known or off the map: a far
+    cell is more likely to be hidden behind a wall that is not known yet, and an isolated one would cost a detour later.
 
     Args:
         shape: (H, W) of the map.
@@ -187,10 +193,11 @@ class WeightedGains:
         self._isolation = float(isolation)
         self._reach = reach + NEIGHBOURHOOD
         self._rise = rise_of(shape[0], lidar.volume.levels)
+        self._stale_levels = self._levels + NEIGHBOURHOOD if self._rise > 0 else 0
         self._belief = np.zeros(shape, np.uint8)
         self._gains = np.full(shape, STALE)
 
     def at(self, belief: Belief, cells: NDArray[np.int32]) -> NDArray[np.float64]:
         """Return the gains of (K,) flat cells, (K,)."""
-        _forget_changed(self._belief, belief, self._reach, self._gains, self._levels, self._rise)
+        _forget_changed(self._belief, belief, self._reach, self._gains, self._stale_levels, self._rise)
         return np.asarray(_kept_gains(belief, cells, self._depths, self._isolation, self._lens, self._gains))

@@ -31,6 +31,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from indoor_explorers.env.grid.arrays import Cell, Distances, Mask
 from indoor_explorers.env.grid.cells import OCCUPIED, UNKNOWN, UNREACHABLE
+from indoor_explorers.env.grid.levels import coordinates
 from indoor_explorers.env.policies.explanation import Candidate, Explanation, ranked
 from indoor_explorers.env.policies.policy import Pilot
 from indoor_explorers.env.policies.view import Briefing, View
@@ -75,7 +76,7 @@ class GoalPilot(Pilot):
         """Number of goals chosen so far."""
         self._grew_since_choice = False
         self._next_choice = inf
-        self._sharing = MapSharing(briefing, self.paths) if MapSharing.is_needed(briefing) else None
+        self._sharing = MapSharing(briefing, self.paths, self.lidar) if MapSharing.is_needed(briefing) else None
         self._chosen_at, self._supposed = 0, dict[int, Cell]()
         self._candidates_kept: tuple[Candidate, ...] = ()
         self._score_kept = ""
@@ -88,6 +89,14 @@ class GoalPilot(Pilot):
     def clusters(self, view: View) -> Clusters:
         """Return the frontier clusters of a view, on all levels or on the UAV's own ones."""
         return frontier_clusters(view.belief, self.briefing.lidar_range, self.paths.rise)
+
+    def coordinates(self, cells: NDArray[np.int32] | Cell) -> NDArray[np.int64]:
+        """Return the rows and columns (..., 2) of flat cells (...) or of a cell, (2,).
+
+        Where the pilot changes levels, return the levels, rows and columns, (..., 3) or (3,).
+        """
+        flat = np.int64(cells[0] * self.paths.width + cells[1]) if isinstance(cells, tuple) else cells
+        return coordinates(flat, self.paths.width, self.paths.rise)
 
     @abstractmethod
     def choose(self, view: View) -> Cell | None:
@@ -208,12 +217,11 @@ class GoalPilot(Pilot):
     def near_goal(self, goal: Cell | None, cells: NDArray[np.int32], radius: float, norm: np.ufunc = np.hypot) -> Mask:
         """Return which of (K,) flat cells are at most ``radius`` cells from a goal, (K,) bool; none if there is none.
 
-        Distances are straight lines; with ``np.maximum`` as ``norm``, the larger one of those along rows and columns.
+        Distances are straight lines; with ``np.maximum`` as ``norm``, the largest one of those along the axes.
         """
         if goal is None:
             return np.zeros(len(cells), np.bool_)
-        rows, cols = np.divmod(cells, self.paths.width)
-        return np.asarray(norm(np.abs(rows - goal[0]), np.abs(cols - goal[1])) <= radius)
+        return np.asarray(norm.reduce(np.abs(self.coordinates(cells) - self.coordinates(goal)), axis=-1) <= radius)
 
     def goal_factors(
         self, goal: Cell | None, cells: NDArray[np.int32], radius: float, bonus: float

@@ -15,7 +15,7 @@ from indoor_explorers.env.grid.arrays import Belief, Cell, Distances
 from indoor_explorers.env.grid.cells import FREE, UNKNOWN, UNREACHABLE
 from indoor_explorers.env.policies.view import Briefing, Mate, View
 from indoor_explorers.env.search.frontiers import frontier_mask, on_frontier
-from indoor_explorers.env.sensing.lidar import scan
+from indoor_explorers.env.sensing.lidar import LidarModel, scan
 from indoor_explorers.planners.toolbox.navigation.paths import Paths
 
 #: Share of the free cells that a teammate must lack to be flown to.
@@ -36,11 +36,12 @@ class MapSharing:
     Args:
         briefing: Briefing of the UAV.
         paths: The UAV's path search.
+        lidar: The lidar by which a forecast's views are computed.
 
     """
 
-    def __init__(self, briefing: Briefing, paths: Paths) -> None:
-        self._briefing, self._paths = briefing, paths
+    def __init__(self, briefing: Briefing, paths: Paths, lidar: LidarModel) -> None:
+        self._briefing, self._paths, self._lidar = briefing, paths, lidar
         self._lidar_range = float(briefing.lidar_range)
         self._contact = min(briefing.scenario.radio.range, self._lidar_range)
         self._silent: dict[int, SilentMate] = {}
@@ -98,7 +99,7 @@ class MapSharing:
         belief, cell, path = mate.belief.copy(), mate.cell, list[Cell]()
         track = [cell]
         for _ in range(steps):
-            seen = scan(view.belief, cell, self._lidar_range)
+            seen = scan(view.belief, cell, self._lidar)
             np.copyto(belief, seen, where=seen != UNKNOWN)
             if not path or not on_frontier(belief, path[-1][0] * self._paths.width + path[-1][1], self._paths.rise):
                 path = self._next_path(belief, cell, greedy=mate.forecasts == 0)

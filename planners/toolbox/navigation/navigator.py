@@ -128,8 +128,8 @@ class Navigator:
 
         Once every goal was banned, only the goals themselves are, as the last unknown cells may be beside one of them.
         """
-        banned = self.paths.flat(self.banned(view))
-        return np.isin(cells, banned) if self._all_banned else near_any(cells, banned, self.paths.width)
+        banned, paths = self.paths.flat(self.banned(view)), self.paths
+        return np.isin(cells, banned) if self._all_banned else near_any(cells, banned, paths.width, paths.rise)
 
     def nearest_frontier(self, view: View) -> Cell | None:
         """Return the frontier cell with the shortest known path, drawn at random among equals; None if unreachable."""

@@ -15,6 +15,7 @@ import numpy as np
 from indoor_explorers.env.grid.arrays import Belief, Cell, Distances
 from indoor_explorers.env.grid.cells import OCCUPIED, UNKNOWN, UNREACHABLE
 from indoor_explorers.env.grid.compiled import kernel, leaf
+from indoor_explorers.env.grid.levels import offset
 from indoor_explorers.env.grid.randomness import draw
 from indoor_explorers.env.policies.view import View
 from indoor_explorers.env.search.bfs import distances_from
@@ -35,21 +36,21 @@ AVOID_RADIUS = 2
 
 
 @leaf(entry=False)
-def _is_near(cell: int, width: int, avoid: np.ndarray) -> bool:
+def _is_near(cell: int, width: int, avoid: np.ndarray, rise: int) -> bool:
     row, col = divmod(cell, width)
     for k in range(avoid.shape[0]):
-        r, c = divmod(avoid[k], width)
-        if abs(row - r) <= AVOID_RADIUS and abs(col - c) <= AVOID_RADIUS:
+        levels, rows, cols = offset(row, col, avoid[k] // width, avoid[k] % width, rise)
+        if max(abs(levels), abs(rows), abs(cols)) <= AVOID_RADIUS:
             return True
     return False
 
 
 @kernel()
-def near_any(cells: np.ndarray, avoid: np.ndarray, width: int) -> np.ndarray:
+def near_any(cells: np.ndarray, avoid: np.ndarray, width: int, rise: int = 0) -> np.ndarray:
     """Return which of (K,) flat cells are within ``AVOID_RADIUS`` of one of ``avoid``, (K,) bool."""
     near = np.zeros(cells.shape[0], np.bool_)
     for k in range(cells.shape[0]):
-        near[k] = _is_near(cells[k], width, avoid)
+        near[k] = _is_near(cells[k], width, avoid, rise)
     return near
 
 
@@ -78,7 +79,7 @@ def search_frontier(
             if best >= 0:
                 break
             layer_end = tail
-        if on_frontier(belief, cell, rise) and not _is_near(cell, width, avoid):
+        if on_frontier(belief, cell, rise) and not _is_near(cell, width, avoid, rise):
             rank = draw(ties, np.uint64(cell))
             if best < 0 or rank < best_rank:
                 best, best_rank = cell, rank

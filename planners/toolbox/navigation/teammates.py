@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.grid.cells import UNREACHABLE
+from indoor_explorers.env.grid.levels import offset
 from indoor_explorers.env.policies.view import Briefing, Mate, Message, View
 from indoor_explorers.env.scenarios.parts import Radio
 
@@ -20,17 +21,17 @@ MEMORY = 60
 CLAIM_STEPS = 30
 
 
-def certain_distance(radio: Radio, cell: Cell, mate: Mate) -> float:
+def certain_distance(radio: Radio, cell: Cell, mate: Mate, rise: int) -> float:
     """Return the largest possible distance of a teammate, in the metric of the radio model.
 
-    After n steps of silence it is at most n steps from its last received cell.
+    After n steps of silence it is at most n steps from its last received cell. ``rise`` is that of the map.
     """
-    rows, cols = abs(cell[0] - mate.cell[0]), abs(cell[1] - mate.cell[1])
-    away = max(rows, cols) if radio.model == "square" else hypot(rows, cols)
+    apart = [abs(axis) for axis in offset(*cell, *mate.cell, rise)]
+    away = max(apart) if radio.model == "square" else hypot(*apart)
     return away + mate.age
 
 
-def should_be_linked(radio: Radio, cell: Cell, mate: Mate) -> bool:
+def should_be_linked(radio: Radio, cell: Cell, mate: Mate, rise: int) -> bool:
     """Tell whether a teammate that still flies would certainly be in contact.
 
     Always False for radio models with walls or random loss, under which a flying teammate can be silent.
@@ -38,7 +39,7 @@ def should_be_linked(radio: Radio, cell: Cell, mate: Mate) -> bool:
     if radio.loss > 0 or radio.model not in {"square", "disc", "unlimited"}:
         return False
     reach = inf if radio.model == "unlimited" else radio.range
-    return certain_distance(radio, cell, mate) <= reach
+    return certain_distance(radio, cell, mate, rise) <= reach
 
 
 def remembered(view: View, briefing: Briefing) -> list[Mate]:
@@ -46,11 +47,11 @@ def remembered(view: View, briefing: Briefing) -> list[Mate]:
 
     A teammate that is silent although it would be in range has ended (IR2's rule).
     """
-    radio = briefing.scenario.radio
+    radio, rise = briefing.scenario.radio, briefing.rise
     return [
         mate
         for mate in view.mates
-        if mate.age == 0 or (mate.age <= MEMORY and not should_be_linked(radio, view.cell, mate))
+        if mate.age == 0 or (mate.age <= MEMORY and not should_be_linked(radio, view.cell, mate, rise))
     ]
 
 

@@ -9,9 +9,9 @@ import pytest
 
 from indoor_explorers.env import make_policy
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
-from indoor_explorers.env.grid.levels import Levels, plane_of
+from indoor_explorers.env.grid.levels import Levels, coordinates, plane_of
 from indoor_explorers.planners.sampling.cover_tour import lattice
-from indoor_explorers.planners.sampling.points import centre, corners, known_cells, points_in
+from indoor_explorers.planners.sampling.points import centre, known_cells, points_in
 from indoor_explorers.planners.sampling.roadmaps import grow_roadmap
 from indoor_explorers.planners.sampling.samples import border_cells, merged, tree_samples
 from indoor_explorers.planners.sampling.segments import ALL_KNOWN, BLOCKED, entries, trace
@@ -75,7 +75,7 @@ def test_points_and_cells_of_the_plane_belong_together():
     plane = plane_of(np.full(SHAPE, FREE, np.uint8))
     voxels = list(product(*map(range, SHAPE)))
     cells = np.array([row * LEVELS.width + col for row, col in map(LEVELS.cell, voxels)], np.int32)
-    assert [tuple(voxel) for voxel in corners(cells, LEVELS.width, LEVELS.rise).tolist()] == voxels
+    assert [tuple(voxel) for voxel in coordinates(cells, LEVELS.width, LEVELS.rise).tolist()] == voxels
     drawn = points_in(cells, LEVELS.width, LEVELS.rise, np.random.default_rng(0))
     assert known_cells(plane, drawn, LEVELS.rise).tolist() == cells.tolist()
     assert centre(LEVELS.cell((2, 1, 3)), LEVELS.rise) == (2.5, 1.5, 3.5)
@@ -92,7 +92,7 @@ def test_border_cells_are_the_unknown_ones_with_a_free_one_among_six(seed: int) 
     voxels = np.argwhere((volume == UNKNOWN) & near)
     expected = voxels[((voxels >= low) & (voxels < high)).all(axis=1)]
     found = border_cells(plane_of(volume), low, high, LEVELS.rise)
-    assert corners(found, LEVELS.width, LEVELS.rise).tolist() == expected.tolist()
+    assert coordinates(found, LEVELS.width, LEVELS.rise).tolist() == expected.tolist()
 
 
 def test_samples_fill_the_box_around_the_uav_within_the_volume() -> None:
@@ -120,7 +120,7 @@ def test_trees_climb_through_openings_and_no_slabs() -> None:
     for vertex, parent in zip(tree.vertices[1:], tree.parents[1:].tolist(), strict=True):
         assert np.linalg.norm(vertex - tree.vertices[parent]) <= 2.0 + 1e-9
         assert traced(plane, tree.vertices[parent], vertex) != BLOCKED
-    found = corners(entries(plane, *tree, LEVELS.rise), LEVELS.width, LEVELS.rise)
+    found = coordinates(entries(plane, *tree, LEVELS.rise), LEVELS.width, LEVELS.rise)
     assert len(found) > 0
     assert set(found[:, 0].tolist()) == {2}
 

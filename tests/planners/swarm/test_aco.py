@@ -5,11 +5,12 @@ from math import exp
 import numpy as np
 import pytest
 
+from indoor_explorers.env.grid.levels import Levels
 from indoor_explorers.planners.swarm.aco import Pheromone, preferences, transition
 
 
 def test_pheromone_falls_with_the_distance_and_evaporates() -> None:
-    pheromone = Pheromone((9, 9), 2.5, 2.0)
+    pheromone = Pheromone(Levels(1, 9, 9), 2.5, 2.0)
     pheromone.lay((4, 4), 3.0)
     assert pheromone.field[4, 4] == 3.0
     assert pheromone.field[4, 6] == pytest.approx(3.0 * exp(-1.0))
@@ -20,7 +21,7 @@ def test_pheromone_falls_with_the_distance_and_evaporates() -> None:
 
 @pytest.mark.parametrize("cell", [(0, 0), (0, 6), (4, 0), (4, 6), (2, 3)])
 def test_pheromone_is_cut_at_the_edge_of_the_map(cell: tuple[int, int]) -> None:
-    pheromone, rows_cols = Pheromone((5, 7), 3.0, 1.5), np.indices((5, 7))
+    pheromone, rows_cols = Pheromone(Levels(1, 5, 7), 3.0, 1.5), np.indices((5, 7))
     pheromone.lay(cell, 1.0)
     away = np.hypot(rows_cols[0] - cell[0], rows_cols[1] - cell[1])
     assert pheromone.field == pytest.approx(np.where(away <= 3.0, np.exp(-away / 1.5), 0.0))

@@ -17,7 +17,7 @@ NOBODY = np.empty((0, 2))
 
 def heat_of(belief: Belief, claims: np.ndarray = NOBODY, sinks: np.ndarray = NOBODY) -> np.ndarray:
     heat = np.empty(belief.shape)
-    heat_up(belief, claims, 3.0, 0.25, sinks.astype(np.int64), heat)
+    heat_up(belief, claims, 3.0, 0.25, sinks.astype(np.int64), heat, 0)
     return heat
 
 

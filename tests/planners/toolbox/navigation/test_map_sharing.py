@@ -7,6 +7,7 @@ import pytest
 
 from indoor_explorers.env import FREE, OCCUPIED, UNKNOWN, Mate, View, World, make_policy, scenario
 from indoor_explorers.env.policies.view import Briefing
+from indoor_explorers.env.sensing.lidar import lidar_model
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
 from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
 from indoor_explorers.planners.toolbox.navigation.map_sharing import MOST_FORECASTS, MapSharing
@@ -36,7 +37,7 @@ def view(known: slice, col: int, mate: int, age: int) -> View:
 
 def sharing_after_parting(briefing: Briefing) -> MapSharing:
     """Return the sharing of a UAV that knew the left 30 cells when its teammate, then in column 20, fell silent."""
-    sharing = MapSharing(briefing, Paths((3, 60)))
+    sharing = MapSharing(briefing, Paths((3, 60)), lidar_model(float(briefing.lidar_range)))
     sharing.observe(view(slice(1, 31), 20, 20, 0))
     sharing.observe(view(slice(1, 31), 20, 20, 1))
     return sharing
