@@ -97,6 +97,6 @@ def nearness(
     ``reach`` may be given as the lidar that sees so far.
     """
     lidar, width = model_of(reach), belief.shape[1]
-    apart = coordinates(cells, width, rise) - coordinates(np.int64(origin), width, rise)
+    apart = coordinates(cells, width, rise) - coordinates(np.array(origin), width, rise)
     near = np.maximum(0.0, 1.0 - np.hypot.reduce(apart, axis=1) / max(lidar.range, 1e-9))
     return np.asarray(near * _in_sight(belief, origin, cells, lidar))

@@ -95,7 +95,7 @@ class GoalPilot(Pilot):
 
         Where the pilot changes levels, return the levels, rows and columns, (..., 3) or (3,).
         """
-        flat = np.int64(cells[0] * self.paths.width + cells[1]) if isinstance(cells, tuple) else cells
+        flat = np.array(cells[0] * self.paths.width + cells[1]) if isinstance(cells, tuple) else cells
         return coordinates(flat, self.paths.width, self.paths.rise)
 
     @abstractmethod
