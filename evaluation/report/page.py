@@ -144,8 +144,10 @@ class _Page:
         template = _environment().get_template("scenario.html")
         self._stubs: list[_Stub] = []
         self._bodies: list[Markup] = []
+        self._levels = False
         for section_id, comparison in comparisons.items():
             section = section_of(comparison, section_id, styles, replays, explaining)
+            self._levels |= section.replay is not None and any("levels" in each for each in section.replay["episodes"])
             self._stubs.append(_Stub(section_id, section.name, section.task, section.headline))
             self._bodies.append(Markup(template.render(self._shown, section=section, several=several)))
 
@@ -163,8 +165,9 @@ class _Page:
     def text(self, parts: Sequence[str] = ()) -> str:
         """Return the page with its scenarios, or with the files to load them from."""
         template = _environment().get_template("page.html")
+        files = [quote(name) for name in parts]
         return template.render(
-            self._shown, sections=self._stubs, bodies=self._bodies, parts=[quote(name) for name in parts]
+            self._shown, sections=self._stubs, bodies=self._bodies, parts=files, levels=self._levels
         )
 
 
