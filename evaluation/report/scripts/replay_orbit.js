@@ -7,7 +7,9 @@ const Renderer = {
   make() {
     const canvas = element("canvas"), context = canvas.getContext("webgl2", { alpha: true, antialias: true });
     if (!context) return null;
-    try { return new THREE.WebGLRenderer({ canvas, context }); } catch { return null; }
+    const made = new THREE.WebGLRenderer({ canvas, context });
+    made.localClippingEnabled = true;
+    return made;
   },
 };
 
@@ -23,11 +25,11 @@ class Orbit {
   reset(size, aspect) {
     const half = new THREE.Vector3(...size).multiplyScalar(0.5), { camera } = this, away = new THREE.Vector3(0.42, 1.3, 0.8).normalize();
     const right = new THREE.Vector3(0, 1, 0).cross(away).normalize(), up = away.clone().cross(right);
-    const high = Math.tan(camera.fov * Math.PI / 360) * 0.92;
+    const high = Math.tan(camera.fov * Math.PI / 360) * 0.97;
     let distance = 0;
     for (let k = 0; k < 8; k++) {
       const corner = half.clone().multiply(new THREE.Vector3(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1));
-      const across = Math.max(Math.abs(corner.dot(up)), Math.abs(corner.dot(right)) / aspect);
+      const across = Math.max(Math.abs(corner.dot(up)), Math.abs(corner.dot(right)) / aspect / 0.93);
       distance = Math.max(distance, across / high + corner.dot(away));
     }
     this.target.copy(half);

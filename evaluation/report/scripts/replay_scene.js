@@ -56,11 +56,11 @@ class BuildingScene {
     sun.position.set(0.45, 1, 0.8);
     this.scene.add(new THREE.HemisphereLight(0xffffff, 0x8890a0, 1.6), sun);
     const plain = (options) => new THREE.MeshBasicMaterial({ transparent: true, depthWrite: false, ...options });
-    const box = new THREE.BoxGeometry(1, 1, 1), spot = new THREE.BoxGeometry(0.3, 0.3, 0.3);
+    const box = new THREE.BoxGeometry(1, 1, 1), spot = new THREE.BoxGeometry(0.36, 0.36, 0.36);
     const tile = new THREE.PlaneGeometry(1, 1).rotateX(-Math.PI / 2).translate(0, -0.48, 0);
     this.walls = new Bodies(this.scene, box, new THREE.MeshLambertMaterial({ map: edgedTexture() }));
     this.floors = new Bodies(this.scene, tile, plain({ opacity: 0.6, side: 2 }));
-    this.frontier = new Bodies(this.scene, spot, plain({ opacity: 0.55 }));
+    this.frontier = new Bodies(this.scene, spot, plain({ opacity: 0.8 }));
     this.trails = new TrailBodies(this.scene);
     this.border = new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial());
     this.border.frustumCulled = false;
@@ -104,11 +104,14 @@ class BuildingScene {
   }
 }
 
-/* The trails of a team as thin rods, one for each move, in the order of the frames; faint where obstacles hide them. */
+/* The trails of a team as thin rods, one for each move, in the order of the frames; faint where obstacles hide them, and
+   above the levels that are shown. */
 class TrailBodies {
   constructor(group) {
-    const rod = new THREE.CylinderGeometry(0.1, 0.1, 1, 6), faint = { transparent: true, opacity: 0.3, depthTest: false, depthWrite: false };
-    this.bodies = [{ transparent: true }, faint].map((look) => new Bodies(group, rod, new THREE.MeshBasicMaterial(look)));
+    const rod = new THREE.CylinderGeometry(0.1, 0.1, 1, 6);
+    const faint = { transparent: true, opacity: 0.3, depthTest: false, depthWrite: false };
+    this.top = new THREE.Plane(new THREE.Vector3(0, -1, 0));
+    this.bodies = [{ transparent: true, clippingPlanes: [this.top] }, faint].map((look) => new Bodies(group, rod, new THREE.MeshBasicMaterial(look)));
   }
 
   /* Take the whole flight; UAVs fly a little beside each other, so that each is seen where ways coincide. */
@@ -144,5 +147,8 @@ class TrailBodies {
   }
 
   /* Show the trails up to a frame. */
-  show(frame) { for (const { mesh } of this.bodies) mesh.count = this.ends[frame]; }
+  show(frame, levels) {
+    this.top.constant = levels;
+    for (const { mesh } of this.bodies) mesh.count = this.ends[frame];
+  }
 }

@@ -18,7 +18,7 @@ class Space {
     this.count = element("output");
     this.cut = element("label", { className: "cut" }, "Levels shown", this.slider, this.count);
     this.back = button("Reset view", "Look at the whole building from above", () => { this.reset(); this.turned(); });
-    this.bar = element("div", { className: "spacebar" }, element("span", { className: "pair" }, "View", this.views), this.cut, this.back);
+    this.bar = element("div", { className: "spacebar" }, element("span", { className: "pair" }, "View", this.views), this.back, this.cut);
     this.note = element("p", { className: "said", hidden: true }, NO_WEBGL);
     replay.box.querySelector(".top").append(this.bar);
     replay.controls.note.after(this.note);

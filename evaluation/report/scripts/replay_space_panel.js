@@ -46,7 +46,8 @@ class SpaceMarks extends Marks {
     pen.fillStyle = this.inks.soft;
     for (let level = 0; level < levels; level += every) {
       const [across, down] = at(level);
-      pen.fillText(level ? String(level) : "level 0", across - 5 * this.ratio, down);
+      const text = level ? String(level) : "level 0";
+      pen.fillText(text, Math.max(across - 5 * this.ratio, pen.measureText(text).width + 3 * this.ratio), down);
     }
   }
 }
@@ -88,7 +89,7 @@ class SpacePanel {
     const known = this.flight.maps[replay.mapOf(this.flight)].at(now);
     this.canvas.cells = this.voxels.at(known, now, levels);
     this.building.show(this.voxels, this.canvas.cells, layers);
-    this.building.trails.show(layers.has("trails") ? now : 0);
+    this.building.trails.show(layers.has("trails") ? now : 0, levels);
     this.canvas.setAttribute("aria-label", `Levels 0 to ${levels - 1} at step ${this.flight.steps[now]} of ${this.panel.policy.name}, in three dimensions`);
     this.render();
   }
