@@ -89,11 +89,12 @@ class Space {
     this.size = [width, Math.min(height, narrow() ? width * 0.95 : Infinity), ratio];
   }
 
-  /* The grid of levels that shows the cells largest within some room. */
+  /* The grid of levels that shows the cells largest within some room, which is higher where they would be tiny. */
   slices(wide, tall, ratio) {
-    const fitting = LevelGrid.options(this.replay.episode).map((grid) => ({ grid, tall,
-      scale: Math.max(1, Math.floor(Math.min(wide / grid.width, tall / grid.height) * ratio)) }));
-    return fitting.reduce((one, other) => (other.scale > one.scale ? other : one));
+    const fit = (grid) => Math.min(wide / grid.width, tall / grid.height) * ratio;
+    const grid = LevelGrid.options(this.replay.episode).reduce((one, other) => (fit(other) > fit(one) ? other : one));
+    const scale = Math.max(1, Math.floor(fit(grid)));
+    return scale < 3 * ratio && tall < window.innerHeight * 0.5 ? this.slices(wide, tall * 1.3, ratio) : { grid, scale, tall };
   }
 
   reset() {
