@@ -202,6 +202,8 @@ def _words(name: str, field: FieldInfo, option: Option) -> dict[str, Any]:
     if field.annotation is bool:
         return words | {"action": "store_true"}
     words |= {"type": option.read, "metavar": option.metavar, "choices": option.choices}
+    if option.alone is not None:
+        return words | {"nargs": "?", "const": option.alone}
     return words | {"nargs": "+", "action": "extend"} if option.several else words
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import islice
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,7 @@ from indoor_explorers.env.rendering.scene import Told
 from indoor_explorers.env.rendering.side_by_side import MOST, SideBySide, paint_side_by_side
 from indoor_explorers.env.rendering.video_writer import FPS, VideoWriter
 from indoor_explorers.env.rendering.window import Window
+from indoor_explorers.evaluation.exports.rerun_log import VIEWER, RerunLog
 from indoor_explorers.evaluation.harness.episodes.flight import Flight
 from indoor_explorers.evaluation.harness.experiment.experiment import Experiment
 
@@ -49,8 +51,7 @@ def watch(
     count = len(experiment.policies)
     if count > MOST:
         raise InputError(f"expected up to {MOST} policies to watch side by side, got {count}; leave some out")
-    if len(experiment.scenarios) > 1:
-        raise InputError(f"expected one scenario to watch, got {len(experiment.scenarios)}; give --set one value each")
+    _refuse_several(experiment)
     if explained is not None:
         _refuse_unexplained(experiment, explained)
     explaining = count == 1 and (film is None or explained is not None)
@@ -67,6 +68,33 @@ def watch(
         show.in_file(film, console)
     for each in flights:
         console.print(f"{each.name} on {each.ending(experiment.seed)}", highlight=False, soft_wrap=True)
+
+
+def log_in_rerun(experiment: Experiment, console: Console, path: Path, steps: int | None) -> None:
+    """Fly the first episode of an experiment with each policy, and log it in a ``.rrd`` file or in Rerun's viewer.
+
+    Raises:
+        InputError: several scenarios, the path is no ``.rrd`` file, or Rerun is not installed.
+        RunError: a policy failed; the steps before are logged.
+
+    """
+    _refuse_several(experiment)
+    names, scenario = [choice.name for choice in experiment.policies], experiment.scenarios[0]
+    log = RerunLog(f"{scenario.name}, seed {experiment.seed}", path, names, scenario.team)
+    flights = [WatchedFlight(experiment, number, steps) for number in range(len(names))]
+    for _ in together(flights):
+        for each in flights:
+            log.add(each.name, each.world)
+    log.close()
+    if path != VIEWER:
+        console.print(f"Saved: {path}; rerun {path} opens it", highlight=False, soft_wrap=True)
+    for each in flights:
+        console.print(f"{each.name} on {each.ending(experiment.seed)}", highlight=False, soft_wrap=True)
+
+
+def _refuse_several(experiment: Experiment) -> None:
+    if len(experiment.scenarios) > 1:
+        raise InputError(f"expected one scenario to watch, got {len(experiment.scenarios)}; give --set one value each")
 
 
 def _refuse_unexplained(experiment: Experiment, agent: int) -> None:
@@ -118,6 +146,15 @@ class WatchedFlight(Flight):
         return f"{self.world.scenario.name}, seed {seed}: {facts}"
 
 
+def together(flights: Sequence[WatchedFlight]) -> Iterator[bool]:
+    """Fly all flights a step at a time; yield at the start and after every step whether any goes on."""
+    flying = {each.moments(): True for each in flights}
+    while any(flying.values()):
+        for moments, going in flying.items():
+            flying[moments] = going and next(moments)
+        yield any(flying.values())
+
+
 class Show:
     """Draws episodes while they are flown.
 
@@ -157,14 +194,6 @@ class Show:
     def _step(self) -> int:
         return max(each.step for each in self._flights)
 
-    def _moments(self) -> Iterator[bool]:
-        """Fly all flights a step at a time; yield whether any goes on."""
-        flying = {each.moments(): True for each in self._flights}
-        while any(flying.values()):
-            for moments, going in flying.items():
-                flying[moments] = going and next(moments)
-            yield any(flying.values())
-
     def in_window(self, fps: float | None) -> None:
         """Show every step in a window, and the last one until the window is closed; closing it ends the flights."""
         window = Window(self._title, fps if fps is not None else FPS[0], "use --save FILE.gif")
@@ -175,7 +204,7 @@ class Show:
             return self.picture()
 
         try:
-            for going in self._moments():
+            for going in together(self._flights):
                 if going:
                     window.show(picture())
                 else:
@@ -192,7 +221,7 @@ class Show:
         columns = [TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()]
         with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
             flying = bar.add_task("flying", total=max(each.last for each in self._flights))
-            for going in self._moments():
+            for going in together(self._flights):
                 video.add(self.picture, last=not going)
                 bar.update(flying, completed=self._step)
             bar.update(flying, total=self._step)

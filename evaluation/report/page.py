@@ -166,9 +166,7 @@ class _Page:
         """Return the page with its scenarios, or with the files to load them from."""
         template = _environment().get_template("page.html")
         files = [quote(name) for name in parts]
-        return template.render(
-            self._shown, sections=self._stubs, bodies=self._bodies, parts=files, levels=self._levels
-        )
+        return template.render(self._shown, sections=self._stubs, bodies=self._bodies, parts=files, levels=self._levels)
 
 
 class _Stub(NamedTuple):

@@ -21,6 +21,8 @@ SWITCHES = [
     *("--disable-gpu", "--no-first-run", "--disable-background-networking"),
     *("--disable-component-update", "--disable-sync"),
 ]
+#: WebGL without a graphics card.
+SOFTWARE_GL = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 PLAIN = "wander"
 HOSTILE = 'a, b; "quoted" it\'s 50% </script><script>window.broken = 1</script> 🚁 $x_1$ & <b>'
 
@@ -63,16 +65,36 @@ def address(results, tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def browser():
-    """A headless browser with a profile of its own."""
+def driver():
+    """What starts browsers."""
     playwright = pytest.importorskip("playwright.sync_api", reason="playwright drives the browser and is not installed")
+    with playwright.sync_playwright() as driver:
+        yield driver
+
+
+@pytest.fixture(scope="module")
+def browser(driver):
+    """A headless browser with a profile of its own, without WebGL."""
+    with launched(driver, *SWITCHES, "--disable-3d-apis") as running:
+        yield running
+
+
+@pytest.fixture(scope="module")
+def drawing_browser(driver):
+    """A headless browser that draws WebGL in software."""
+    with launched(driver, *SWITCHES[1:], *SOFTWARE_GL) as running:
+        yield running
+
+
+@contextmanager
+def launched(driver, *switches):
+    """Start the browser that is found; the test is skipped where there is none."""
     found = next(filter(None, map(shutil.which, BROWSERS)), None)
     if found is None:
         pytest.skip(f"expected a Chromium on the PATH ({', '.join(BROWSERS)}), found none; make browser installs one")
-    with playwright.sync_playwright() as driver:
-        running = driver.chromium.launch(executable_path=found, args=SWITCHES, chromium_sandbox=False)
-        yield running
-        running.close()
+    running = driver.chromium.launch(executable_path=found, args=list(switches), chromium_sandbox=False)
+    yield running
+    running.close()
 
 
 @contextmanager

@@ -8,7 +8,7 @@ import pytest
 from PIL import Image
 
 from indoor_explorers.env import PRESETS, make_policy
-from indoor_explorers.env.grid.cells import FREE, UNKNOWN
+from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.grid.levels import Levels
 from indoor_explorers.env.rendering.level_grid import LevelGrid
 from indoor_explorers.env.search.frontiers import frontier_mask
@@ -128,3 +128,91 @@ def test_explanations_name_level_row_and_column(browser, tall, record):
     assert cells == [str(voxel(each.cell)) for each in told.candidates[:6]]
     assert {text.split(",")[0] for text in cells} != {"(0"}
     assert f"Flies to {voxel(told.goal)}, " in said
+
+
+def shown_cells(belief, levels, shown):
+    """Return the flat cells of a plane that are drawn of the lowest ``shown`` levels, by what they are."""
+    known = levels.volume(belief)[:shown]
+    around = np.pad(known == OCCUPIED, 1)
+    axes = [(axis, way) for axis in range(3) for way in (-1, 1)]
+    enclosed = np.logical_and.reduce([np.roll(around, way, axis)[1:-1, 1:-1, 1:-1] for axis, way in axes])
+    below = np.pad(known == OCCUPIED, ((1, 0), (0, 0), (0, 0)), constant_values=True)[:-1]
+    frontier = levels.volume(frontier_mask(belief, levels.rise))[:shown]
+    found = {
+        "walls": (known == OCCUPIED) & ~enclosed,
+        "floors": (known == FREE) & below,
+        "frontier": frontier,
+    }
+    numbers = levels.volume(np.arange(belief.size).reshape(levels.shape))[:shown]
+    return {name: numbers[mask].tolist() for name, mask in found.items()}
+
+
+def cut(page, shown):
+    """Show so many levels."""
+    page.locator("#replay-s1 .cut input").evaluate(
+        "(box, levels) => { box.value = levels; box.dispatchEvent(new Event('input')); }", shown
+    )
+
+
+@pytest.mark.parametrize("whose", ["team", "uav-1"])
+def test_what_is_drawn_in_three_dimensions_is_what_the_map_shows(drawing_browser, tall, world, record, whose):
+    levels = record.floorplan.levels
+    belief = world.state.union[0] if whose == "team" else world.view(0, 1).belief
+    with opened(drawing_browser, f"{tall}#replay=s1;step={STEP};map={whose}") as visit:
+        for shown in (7, 3, 1):
+            cut(visit.page, shown)
+            cells = visit.page.locator("#replay-s1 canvas.space").evaluate("canvas => canvas.cells")
+            assert cells == shown_cells(belief, levels, shown)
+            assert all(cells.values())
+            assert visit.page.locator("#replay-s1 .cut output").inner_text() == f"{shown} of 7"
+        assert [text for text in visit.complaints if "GPU stall" not in text] == []
+
+
+def picture(page):
+    return page.locator("#replay-s1 canvas.space").evaluate("canvas => canvas.toDataURL()")
+
+
+def test_dragging_turns_the_building_and_the_timeline_moves_it_on(drawing_browser, tall):
+    with opened(drawing_browser, f"{tall}#replay=s1;step={STEP}") as visit:
+        page, canvas = visit.page, visit.page.locator("#replay-s1 canvas.space")
+        before = picture(page)
+        canvas.scroll_into_view_if_needed()
+        box = canvas.bounding_box()
+        page.mouse.move(box["x"] + 200, box["y"] + 100)
+        page.mouse.down()
+        page.mouse.move(box["x"] + 320, box["y"] + 130, steps=3)
+        page.mouse.up()
+        page.evaluate("() => new Promise(requestAnimationFrame)")
+        turned = picture(page)
+        page.get_by_role("button", name="Look at the whole building").click()
+        page.evaluate("() => new Promise(requestAnimationFrame)")
+        again = picture(page)
+        page.keyboard.press("ArrowRight")
+        page.evaluate("() => new Promise(requestAnimationFrame)")
+        assert f"at step {STEP + 1} " in canvas.get_attribute("aria-label")
+        assert before == again
+        assert len({before, turned, picture(page)}) == 3
+
+
+def test_slices_and_three_dimensions_can_be_had_alone_and_fit_a_phone(drawing_browser, tall):
+    with opened(drawing_browser, f"{tall}#replay=s1", viewport={"width": 390, "height": 844}) as visit:
+        page = visit.page
+        for view, slices, space in (("Slices", 1, 0), ("3D", 0, 1), ("Both", 1, 1)):
+            page.locator("#replay-s1").get_by_role("button", name=view, exact=True).click()
+            assert page.locator("#replay-s1 canvas.map:visible").count() == slices
+            assert page.locator("#replay-s1 canvas.space:visible").count() == space
+            assert page.evaluate("document.documentElement.scrollWidth") <= 390
+
+
+def test_without_webgl_the_slices_stay_and_a_line_says_why(browser, tall):
+    with opened(browser, f"{tall}#replay=s1") as visit:
+        assert visit.page.get_by_text("this browser offers no WebGL 2").is_visible()
+        assert visit.page.locator("#replay-s1 canvas.map:visible").count() == 1
+        assert visit.page.locator("#replay-s1 canvas.space").count() == 0
+        assert not visit.page.locator("#replay-s1 .cut").is_visible()
+        assert visit.complaints == []
+
+
+def test_pages_without_levels_have_nothing_of_it(page):
+    assert page.evaluate("typeof THREE") == "undefined"
+    assert page.locator("canvas.space, .spacebar").count() == 0

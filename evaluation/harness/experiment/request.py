@@ -35,6 +35,8 @@ class Option:
     """The flag, such as ``--set``; None: the name of the field, with dashes for underscores."""
     positional: bool = False
     """Whether it is a positional argument."""
+    alone: str | None = None
+    """What the flag means without a value; None where it needs one."""
 
 
 def read_setting(text: str) -> tuple[str, Any]:

@@ -5,6 +5,7 @@ import pytest
 from indoor_explorers.env import PRESETS
 from indoor_explorers.evaluation.analysis.comparison import Comparison
 from indoor_explorers.evaluation.drawing.palette import policy_styles
+from indoor_explorers.evaluation.report import page as report_page
 from indoor_explorers.evaluation.report import write_report
 from indoor_explorers.evaluation.report.replay.packed_episode import resimulated
 from indoor_explorers.evaluation.report.replay.selection import replay_data
@@ -49,3 +50,28 @@ def test_the_report_counts_levels_and_says_what_its_replay_shows(results, tmp_pa
     assert "Levels lie beside each other" in page
     write_report(results_of(FLAT, seeds=1), tmp_path / "flat.html")
     assert "Levels lie beside" not in (tmp_path / "flat.html").read_text()
+
+
+#: What only pages with levels have: bytes at most, and names of the files.
+MOST = 620_000
+OF_LEVELS = ("three.min.js", "replay_space", "replay_voxels", "replay_scene", "replay_orbit")
+
+
+def test_only_pages_with_levels_carry_what_draws_them_in_three_dimensions(results, monkeypatch):
+    taken = []
+
+    def noted(name):
+        taken.append(name)
+        return report_page._raw(name)
+
+    monkeypatch.setitem(report_page._environment().globals, "include_raw", noted)
+    pages = {}
+    for name, found in (("flat", results_of(FLAT, seeds=1)), ("tall", results)):
+        taken.clear()
+        text = report_page.render(found)
+        pages[name] = {part for part in taken if any(each in part for each in OF_LEVELS)}
+        assert ("THREE" in text) == (name == "tall")
+    assert pages["flat"] == set()
+    assert len(pages["tall"]) == 7
+    sizes = [len(report_page._raw(name)) for name in pages["tall"]]
+    assert sum(sizes) < MOST
