@@ -44,7 +44,7 @@ class Flight(NamedTuple):
         world = next(worlds)
         mask = surface_of(world, 0)
         seen = [seen_share(world, 0, mask), *(seen_share(each, 0, mask) for each in worlds)]
-        return cls(record.distance * (record.floorplan.resolution or 1.0), record.curve, np.array(seen))
+        return cls(np.asarray(record.distance * (record.floorplan.resolution or 1.0)), record.curve, np.array(seen))
 
     def at(self, metres: float) -> tuple[float, float]:
         """Return the shares of free voxels and surface that are known after so many metres."""
