@@ -156,16 +156,18 @@ def _buildings() -> Iterator[Scenario]:
 
 def _volumes() -> Iterator[Scenario]:
     """Yield buildings of several levels, of half a metre each, by what the third dimension is in them."""
-    sizes = {"height": 24, "width": 30}
-    low = InteriorsMaps(**sizes)
-    hall = InteriorsMaps(**sizes, storeys=2, storey_height=5, halls=1)
-    joined = InteriorsMaps(**sizes, storeys=3, storey_height=4, headroom=3, wells=2, crawl_spaces=2, hatches=2)
-    for name, maps in (
+    low = InteriorsMaps(height=24, width=30)
+    hall = InteriorsMaps(height=24, width=30, storeys=2, storey_height=5, halls=1)
+    joined = InteriorsMaps(
+        height=24, width=30, storeys=3, storey_height=4, headroom=3, wells=2, crawl_spaces=2, hatches=2
+    )
+    kinds: tuple[tuple[str, MapSource], ...] = (
         ("one-storey", low),
         ("tall-halls", hall),
-        ("racks", RacksMaps(**sizes)),
+        ("racks", RacksMaps(height=24, width=30)),
         ("stair-wells", joined),
-    ):
+    )
+    for name, maps in kinds:
         yield _building(name, maps, None)
 
 

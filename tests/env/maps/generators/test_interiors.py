@@ -1,5 +1,7 @@
 """Furnished buildings and warehouses of several levels."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from pydantic import ValidationError
@@ -11,7 +13,7 @@ from indoor_explorers.env.maps.generators.racks import RacksMaps
 from indoor_explorers.env.maps.generators.volumes import wide
 from indoor_explorers.env.search.connected_parts import connected_parts, largest_part
 
-SIZE = {"height": 24, "width": 30}
+SIZE: dict[str, Any] = {"height": 24, "width": 30}
 BARE = InteriorsMaps(**SIZE, furniture=0.0)
 TALL = InteriorsMaps(**SIZE, furniture=0.0, storeys=2, storey_height=4)
 NAMES = ("one-storey", "tall-halls", "racks", "stair-wells")
