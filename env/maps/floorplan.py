@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -39,6 +39,8 @@ class Floorplan:
     """Warnings of the reader of the file, a line each."""
     level_count: int = 1
     """Levels of the map; with several, ``truth`` is the plane of them (:mod:`indoor_explorers.env.grid.levels`)."""
+    added: int = 0
+    """How many of them, on top, are solid and not in the source: for a scenario whose other maps have more levels."""
 
     def __post_init__(self) -> None:
         if self.truth.ndim != 2 or self.truth.size == 0:
@@ -60,7 +62,7 @@ class Floorplan:
 
     def __reduce__(self) -> tuple[Any, ...]:
         facts = self.truth, self.name, self.resolution, self.kept, self.start, self.connected, self.notes
-        return Floorplan, (*facts, self.level_count)  # makes truth read-only again
+        return Floorplan, (*facts, self.level_count, self.added)  # makes truth read-only again
 
     def _is_free(self, cell: Cell) -> bool:
         inside = all(0 <= place < side for place, side in zip(cell, self.shape, strict=True))
@@ -78,10 +80,14 @@ class Floorplan:
 
     @cached_property
     def digest(self) -> str:
-        """A short hash of shape, cells and start, if any: equal maps from different files have equal digests."""
+        """A short hash of shape, cells and start, if any: equal maps from different files have equal digests.
+
+        Levels that were :attr:`added` do not count.
+        """
         mark = b"" if self.start is None else repr(self.start).encode()
-        shape = self.shape if self.level_count == 1 else tuple(self.levels)
-        return hashlib.sha256(repr(shape).encode() + self.truth.tobytes() + mark).hexdigest()[:16]
+        own = self.levels._replace(number=self.level_count - self.added)
+        cells = self.truth[: own.shape[0]].tobytes()
+        return hashlib.sha256(repr(own.size).encode() + cells + mark).hexdigest()[:16]
 
     @cached_property
     def layout(self) -> str:
@@ -96,6 +102,14 @@ class Floorplan:
         part = plane_of(largest_part(self.levels.volume(free)), False) if several else largest_part(free)
         part.setflags(write=False)
         return part
+
+    def raised(self, count: int) -> Floorplan:
+        """Return the map with solid levels on top until it has ``count`` levels; itself if it has as many."""
+        if count <= self.level_count:
+            return self
+        rows = self.levels._replace(number=count).shape[0] - self.shape[0]
+        truth = np.pad(self.truth, ((0, rows), (0, 0)), constant_values=OCCUPIED)
+        return replace(self, truth=truth, level_count=count, added=self.added + count - self.level_count)
 
     def floors(self) -> list[Mask]:
         """Return the (H, W) mask of the main part on each level that has some of it, the lowest first."""

@@ -64,30 +64,42 @@ __all__ = [
 #: of its doors 0.8 m wide.
 OFFICE, OFFICE_RESOLUTION = "readers/office.txt", 0.4
 WALL, FURNITURE, FLOOR = "#", "o", "."
-#: Endings of files whose levels are counted by reading them.
-VOLUMES = (ENDING, ".bt", ".stl", ".ply", ".obj", ".pcd")
+#: Endings of files that may have several levels.
+VOLUMES = (".npy", ENDING, ".bt", ".stl", ".ply", ".obj", ".pcd")
 
 
 class FileMaps(MapReader):
-    """Maps read from files of the kinds that :func:`~indoor_explorers.env.maps.files.read_map` knows."""
+    """Maps read from files of the kinds that :func:`~indoor_explorers.env.maps.files.read_map` knows.
+
+    All have as many levels as the tallest one: the others get solid levels on top, which change no digest.
+    """
 
     source: Literal["files"] = "files"
     resolution: float | None = Field(None, gt=0.0)
     """Metres a cell to resample to; None keeps the file's. Files without a scale count a pixel as one metre."""
     building: BuildingSettings = BuildingSettings()
     """How buildings of several storeys are read."""
+    least_levels: int = Field(1, ge=1, le=4096)
+    """Levels that the maps have at least, for the same flights whatever other maps are flown."""
     levels: int = Field(1, ge=1, le=4096)
-    """Levels of the maps: those of the first file, where it is there."""
+    """Levels of the maps, counted in the files that are there."""
 
     @model_validator(mode="after")
     def _counted(self) -> FileMaps:
-        path = expanded(self.paths[0])
-        if path.suffix.lower() == ".npy" and "levels" not in self.model_fields_set:
-            object.__setattr__(self, "levels", levels_of(path))
-        elif path.name.lower().endswith(VOLUMES) and path.is_file():
-            with suppress(InputError):  # told where the map is read
-                object.__setattr__(self, "levels", self.plan(path).level_count)
+        volumes = [expanded(path) for path in self.paths if path.lower().endswith(VOLUMES)]
+        found = map(self._levels_in, volumes) if volumes else [self.levels]
+        object.__setattr__(self, "levels", max(self.least_levels, *found))
         return self
+
+    def _levels_in(self, path: Path) -> int:
+        """Return how many levels the map of a file has; those that were given where it cannot be read."""
+        if not path.is_file():
+            return self.levels
+        if path.suffix.lower() == ".npy":
+            return levels_of(path)
+        with suppress(InputError):  # told where the map is read
+            return _read_once(str(path), self.resolution, self.building, 1).level_count
+        return self.levels
 
     @property
     def level_count(self) -> int:
@@ -95,8 +107,8 @@ class FileMaps(MapReader):
         return self.levels
 
     def plan(self, path: Path) -> Floorplan:
-        """Return the map of a file."""
-        return _read_once(str(path), self.resolution, self.building)
+        """Return the map of a file, with solid levels on top where it has fewer than others."""
+        return _read_once(str(path), self.resolution, self.building, self.levels)
 
 
 class OfficeMap(BaseMaps):
@@ -177,9 +189,11 @@ AnyMaps = Annotated[
 
 
 @lru_cache(maxsize=256)
-def _read_once(path: str, resolution: float | None, building: BuildingSettings) -> Floorplan:
+def _read_once(path: str, resolution: float | None, building: BuildingSettings, levels: int) -> Floorplan:
     from indoor_explorers.env.maps.files import read_map
 
+    if levels > 1:
+        return _read_once(path, resolution, building, 1).raised(levels)
     return read_map(path, resolution, building)
 
 

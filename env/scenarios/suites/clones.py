@@ -104,7 +104,7 @@ def maps_of(suite: Suite, part: Part, data: Sequence[Path], only: Sequence[str] 
         assert root is not None
         _check_files(home, each, root)
         paths.append(str(root / each.path))
-    maps = FileMaps(paths=tuple(paths), resolution=suite.resolution)
+    maps = FileMaps(paths=tuple(paths), resolution=suite.resolution, least_levels=suite.levels.get(part, 1))
     for index, (_, each, _) in enumerate(found):
         _refuse_other_map(suite, each.name, each.digest, maps.floorplan(index, 0).digest)
     return maps

@@ -125,6 +125,8 @@ class Suite(_Table):
     """Seeds flown on each map."""
     resolution: float | None = None
     """Metres a cell of maps from files; pixels where the files have no scale."""
+    levels: dict[Part, int] = {}
+    """Levels of the tallest file of each part with several, so that maps flown alone fly as they do together."""
     repositories: tuple[Repository, ...] = ()
     map: Annotated[MapSource, Field(discriminator="source")] | None = None
     """The generator; None where maps are files."""

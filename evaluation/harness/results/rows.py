@@ -5,12 +5,14 @@ from __future__ import annotations
 import json
 import zlib
 from collections.abc import Mapping
+from dataclasses import replace
 from hashlib import sha256
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from indoor_explorers.env.grid.cells import FREE
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.evaluation.harness.episodes.record import FlownEpisode, Outcome, Record
 from indoor_explorers.evaluation.harness.episodes.steps import Steps
@@ -91,9 +93,16 @@ def floorplan_of(row: Row) -> Floorplan:
     plane = decompressed(cells, np.uint8, -1, width)
     levels = (len(plane) + 1) // max(1, height + 1)
     plan = Floorplan(plane, name, resolution, kept, start, level_count=levels)
-    if plan.digest != digest:
-        raise ValueError("its cells are not those of its hash")
-    return plan
+    for added in range(_solid_on_top(plan) + 1):
+        if (same := replace(plan, added=added)).digest == digest:
+            return same
+    raise ValueError("its cells are not those of its hash")
+
+
+def _solid_on_top(plan: Floorplan) -> int:
+    """Return how many levels on top of a map are solid; some of them may have been added to the source's."""
+    free = (plan.levels.volume(plan.truth) == FREE).any(axis=(1, 2))
+    return int(np.argmax(free[::-1]))
 
 
 def episode_row(record: FlownEpisode, run: int, floorplan: str) -> Row:

@@ -30,7 +30,7 @@ USES = {Part.TRAIN: SeedUse.TRAINING, Part.VALIDATION: SeedUse.VALIDATION, Part.
 #: Suites for a final test alone.
 FINAL = {"buildings"}
 #: The parts of suites that lack some.
-PARTS = {"buildings": {Part.TEST}, "atlas": {Part.VALIDATION, Part.TEST}}
+PARTS = {"buildings": {Part.TEST}, "atlas": {Part.VALIDATION, Part.TEST}, "rmf": {Part.VALIDATION, Part.TEST}}
 #: Suites whose maps are of buildings that may have several floors.
 BUILDINGS = {"buildings", "floors"}
 #: Repositories whose maps this project had met before the suite buildings was made, in suites or elsewhere.
@@ -55,6 +55,7 @@ CONTENTS = {
     "ir2-complex 1": "a3e599c324e0b056",
     "ir2-corridor 1": "f751487f1c129efa",
     "ir2-hybrid 1": "69b6f5d0dc25690e",
+    "rmf 1": "dd76ee1d6f72ccf5",
     "rooms 1": "b501cb3e625b5e57",
     "atlas 1": "2288a09cc7d340cf",
     "levels 1": "e54dc2eb73903b68",
@@ -84,7 +85,8 @@ def contents(suite: Suite) -> str:
     seeds = {part: [*suite.seeds(part)[:1], len(suite.seeds(part))] for part in Part}
     drawn: dict[str, object] = {part: each.digest for part, each in suite.parts.items()}
     drawn |= {name: each.digests for name, each in suite.listed.items()}
-    told = json.dumps([settings, maps, seeds, drawn, suite.resolution], sort_keys=True)
+    levels = [suite.levels] if suite.levels else []
+    told = json.dumps([settings, maps, seeds, drawn, suite.resolution, *levels], sort_keys=True)
     return hashlib.sha256(told.encode()).hexdigest()[:16]
 
 
@@ -115,6 +117,12 @@ def test_a_part_is_flown_on_seeds_of_its_use(suite: Suite):
         assert (suite.map_count(part) > 0) is suite.has(part)
     for part in parts_of(suite) if suite.generated else Part:
         assert use_of(suite.seeds(part)) is USES[part]
+
+
+@ALL
+def test_numbers_of_levels_are_of_parts_of_map_files(suite: Suite):
+    assert set(suite.levels) <= (set() if suite.generated else parts_of(suite))
+    assert all(number > 1 for number in suite.levels.values())
 
 
 @ALL
@@ -252,7 +260,7 @@ def test_the_shared_maps_are_the_train_and_validation_parts(name: str):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("name", "part"), [*((name, part) for name in FOLDERS for part in Part), *((name, Part.TEST) for name in FINAL)]
+    ("name", "part"), [(name, part) for name in (*FOLDERS, *FINAL, "rmf") for part in Part if suite_of(name).has(part)]
 )
 @pytest.mark.skipif(not CLONES.is_dir(), reason="SUITE_DATA names no folder of clones")
 def test_the_files_of_the_repositories_are_read_as_the_suites_have_them(name: str, part: Part):
@@ -261,6 +269,7 @@ def test_the_files_of_the_repositories_are_read_as_the_suites_have_them(name: st
     plans = [maps.floorplan(index, 0) for index in range(maps.count)]
     facts = [(int(plan.main_part.sum()), plan.layout) for plan in plans]
     assert facts == [(each.cells, each.layout) for _, each in suite.maps(part)]
+    assert maps.level_count == suite.levels.get(part, 1) == max(plan.level_count - plan.added for plan in plans)
     assert all(isinstance(scenario, Scenario) for scenario in suite.scenarios(maps))
 
 

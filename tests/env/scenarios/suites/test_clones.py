@@ -50,6 +50,12 @@ def test_maps_are_chosen_by_name_and_by_building(tiny: Path):
         chosen("a1", "c")
 
 
+def test_a_map_flown_alone_has_the_levels_of_its_part(tiny: Path):
+    suite = suite_of("tiny").model_copy(update={"levels": {Part.TEST: 3}})
+    assert maps_of(suite, Part.TEST, [tiny], ["b"]).level_count == 3
+    assert maps_of(suite, Part.TRAIN, [tiny]).level_count == 1
+
+
 def test_missing_files_are_told_with_the_commands_that_fetch_them(tiny: Path, tmp_path: Path):
     with pytest.raises(InputError) as told:
         maps_of(suite_of("tiny"), Part.TEST, [tmp_path / "nowhere"])

@@ -30,6 +30,13 @@ def test_a_stored_map_is_read_back_with_its_levels():
     np.testing.assert_array_equal(again.truth, plan.truth)
 
 
+@pytest.mark.parametrize("count", [7, 8, 12])
+def test_a_stored_map_with_added_levels_is_read_back_with_the_digest_of_its_source(count):
+    plan = draw_floorplan(TASK, 1)
+    again = floorplan_of(floorplan_row(plan.raised(count)))
+    assert (again.level_count, again.added, again.digest) == (count, count - 7, plan.digest)
+
+
 def test_a_stored_map_whose_height_is_wrong_is_refused():
     row = list(floorplan_row(draw_floorplan(TASK, 1)))
     row[2] += 1
