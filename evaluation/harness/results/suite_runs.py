@@ -24,6 +24,8 @@ class SuiteTask(NamedTuple):
     """The suite's name of the scenario."""
     digest: str
     """Digest of the map; empty where the seed makes it."""
+    levels: int
+    """Levels that the map was flown with; 0 where the seed makes it."""
     seed: int
 
 
@@ -103,10 +105,11 @@ def _settings(scenario: Scenario) -> dict[str, Any]:
 
 
 def _task(suite: Suite, names: Mapping[str, str], record: Record) -> SuiteTask:
-    digest = "" if suite.generated else record.floorplan.digest
-    return SuiteTask(names[record.task.scenario], digest, record.task.seed)
+    flown = ("", 0) if suite.generated else (record.floorplan.digest, record.floorplan.level_count)
+    return SuiteTask(names[record.task.scenario], *flown, record.task.seed)
 
 
 def _are_of(suite: Suite, part: Part, tasks: set[SuiteTask]) -> bool:
-    digests = {""} if suite.generated else {each.digest for _, each in suite.maps(part)}
-    return all(task.seed in suite.seeds(part) and task.digest in digests for task in tasks)
+    levels = suite.levels.get(part, 1)
+    maps = {("", 0)} if suite.generated else {(each.digest, levels) for _, each in suite.maps(part)}
+    return all(task.seed in suite.seeds(part) and (task.digest, task.levels) in maps for task in tasks)

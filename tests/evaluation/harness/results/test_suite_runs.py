@@ -70,7 +70,10 @@ def test_a_part_of_a_suite_says_how_much_it_is(tiny: Path, tmp_path: Path):
     ]
 
 
-@pytest.mark.parametrize("change", [{"seed": 32_000_002}, {"settings": {}}, {"resolution": 2.0}])
+RAISED = {"settings": {"lidar.range": 4.0, "map.least_levels": 2}, "resolution": None}
+
+
+@pytest.mark.parametrize("change", [{"seed": 32_000_002}, {"settings": {}}, {"resolution": 2.0}, RAISED])
 def test_other_tasks_on_its_maps_are_no_suite(tiny: Path, tmp_path: Path, change):
     files = [str(tiny / "floors" / "a1.npy")]
     as_there = {"maps": files, "resolution": 1.0, "settings": {"lidar.range": 4.0}, "seed": 32_000_000, "episodes": 1}
