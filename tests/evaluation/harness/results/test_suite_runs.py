@@ -70,7 +70,7 @@ def test_a_part_of_a_suite_says_how_much_it_is(tiny: Path, tmp_path: Path):
     ]
 
 
-RAISED = {"settings": {"lidar.range": 4.0, "map.least_levels": 2}, "resolution": None}
+RAISED = {"settings": {"lidar.range": 4.0, "map.least_levels": 2}}
 
 
 @pytest.mark.parametrize("change", [{"seed": 32_000_002}, {"settings": {}}, {"resolution": 2.0}, RAISED])
