@@ -69,7 +69,8 @@ def corners(voxels: NDArray[np.int64]) -> NDArray[np.int64]:
     """Return the voxels (K, 3) of a track (S, 3) where it turns, and its ends: stays and straight runs are left out."""
     track = voxels[np.r_[True, np.diff(voxels, axis=0).any(axis=1)]]
     steps = np.diff(track, axis=0)
-    return track[np.r_[True, (steps[1:] != steps[:-1]).any(axis=1), True][: len(track)]]
+    turns: NDArray[np.int64] = track[np.r_[True, (steps[1:] != steps[:-1]).any(axis=1), True][: len(track)]]
+    return turns
 
 
 def progress(length: float, speed: float, acceleration: float | None, period: float) -> NDArray[np.float64]:
@@ -80,7 +81,8 @@ def progress(length: float, speed: float, acceleration: float | None, period: fl
     ramp, total = top / acceleration, length / top + top / acceleration
     time = np.minimum(np.arange(1, math.ceil(total / period) + 1) * period, total)
     slow, last = np.minimum(time, ramp), np.maximum(0.0, time - total + ramp)
-    return np.minimum(length, top * time - top * slow + acceleration * (slow**2 - last**2) / 2)
+    metres: NDArray[np.float64] = top * (time - slow) + acceleration * (slow**2 - last**2) / 2
+    return np.minimum(metres, length)
 
 
 def setpoints(

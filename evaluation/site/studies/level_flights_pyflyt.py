@@ -112,7 +112,7 @@ def rows(record: Record, flown_before: set[tuple[str, ...]]) -> Iterator[dict[st
         facts |= {"speed": speed}
         if tuple(str(value) for value in facts.values()) in flown_before:
             continue
-        route = (corners(plan.levels.voxels(track)) + 0.5) * resolution
+        route: Points = (corners(plan.levels.voxels(track)).astype(np.float64) + 0.5) * resolution
         flight = flown(route, occupied, resolution, speed, acceleration, record.task.seed)
         metres = float(np.linalg.norm(np.diff(route, axis=0), axis=1).sum())
         grid = {"moves": moves, "legs": len(route) - 1, "grid_s": moves * resolution / speed}
@@ -138,4 +138,4 @@ def main(results: Path, policy: str, scenario: str, seed: int) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), *sys.argv[2:4], int(sys.argv[4]))
+    main(Path(sys.argv[1]), sys.argv[2], sys.argv[3], int(sys.argv[4]))
