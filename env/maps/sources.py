@@ -91,6 +91,10 @@ class FileMaps(MapReader):
         object.__setattr__(self, "levels", max(self.least_levels, *found))
         return self
 
+    def alone(self, index: int) -> FileMaps:
+        """Return the maps of one of the files: its map has the levels that it has without the others."""
+        return FileMaps.model_validate(self.model_dump() | {"paths": (self.paths[index],)})
+
     def _levels_in(self, path: Path) -> int:
         """Return how many levels the map of a file has; those that were given where it cannot be read."""
         if not path.is_file():

@@ -102,6 +102,7 @@ def _save(floorplans: Sequence[Floorplan], path: Path) -> None:
 
 def _floorplans(options: MapsOptions) -> Iterator[tuple[str, Floorplan]]:
     """Yield the maps that are asked for, each after its source."""
+    from indoor_explorers.env.maps.sources import FileMaps
     from indoor_explorers.env.scenarios.loading import named_scenario
     from indoor_explorers.env.scenarios.presets import on_files
     from indoor_explorers.env.scenarios.suites.catalogue import source_of, suite_of
@@ -122,7 +123,8 @@ def _floorplans(options: MapsOptions) -> Iterator[tuple[str, Floorplan]]:
     else:
         files = on_files(tuple(map(str, options.paths)), options.resolution)
         maps = files.with_settings(options.settings).map
-        plans = [(index, maps.floorplan(index, 0)) for index in range(maps.count)]
+        assert isinstance(maps, FileMaps)
+        plans = [(index, maps.alone(index).floorplan(0, 0)) for index in range(maps.count)]
     return ((source_of(maps, index, plan), plan) for index, plan in plans)
 
 

@@ -175,6 +175,17 @@ def test_a_saved_map_of_several_levels_is_read_with_the_same_cells(kind, tmp_pat
     assert f"Map: {saved}" in capsys.readouterr().out
 
 
+def test_files_of_different_heights_are_told_with_their_own_levels(tmp_path, capsys):
+    walls = np.ones((3, 6, 8), np.int8)
+    walls[:2, 1:5, 1:7] = 0
+    np.save(tmp_path / "flat.npy", walls[0])
+    np.save(tmp_path / "tall.npy", walls)
+    assert main(["maps", str(tmp_path / "flat.npy"), str(tmp_path / "tall.npy")]) == 0
+    told = capsys.readouterr().out
+    assert "flat: 6 x 8 cells" in told
+    assert "tall: 3 x 6 x 8 cells" in told
+
+
 def test_rooms_are_counted_on_each_level_and_levels_that_are_alike_told_together():
     level = np.pad(np.ones((5, 11), np.bool_), 1)
     level[:, 6] = level[0, 6]
