@@ -16,7 +16,7 @@ from pydantic import Field, model_validator
 
 from indoor_explorers.env.grid.arrays import Mask
 from indoor_explorers.env.maps.generators.rooms import RoomsMaps
-from indoor_explorers.env.maps.generators.volumes import Place, VolumeMaps, wide
+from indoor_explorers.env.maps.generators.volumes import Place, VolumeMaps, check_fits, wide
 from indoor_explorers.env.search.connected_parts import largest_part
 
 #: Sides of tables in cells, smallest and largest, and the level of their boards.
@@ -60,8 +60,8 @@ class InteriorsMaps(VolumeMaps):
 
     @model_validator(mode="after")
     def _consistent(self) -> InteriorsMaps:
-        self.check_fits("well_size", self.well_size)
-        self.check_fits("hall_size", self.hall_size)
+        check_fits(self, "well_size", self.well_size)
+        check_fits(self, "hall_size", self.hall_size)
         if self.headroom > self.storey_height:
             raise ValueError(f"headroom is {self.headroom}, more than storey_height {self.storey_height}; lower it")
         self._plans  # noqa: B018  # refuses rooms that do not fit

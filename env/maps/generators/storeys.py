@@ -15,8 +15,9 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from indoor_explorers.env.grid.arrays import Mask
-from indoor_explorers.env.maps.base import GeneratedMaps, check_sizes
+from indoor_explorers.env.maps.base import GeneratedMaps
 from indoor_explorers.env.maps.generators.rooms import RoomsMaps
+from indoor_explorers.env.maps.generators.volumes import check_fits
 from indoor_explorers.env.search.connected_parts import largest_part
 
 
@@ -45,10 +46,8 @@ class StoreysMaps(GeneratedMaps):
 
     @model_validator(mode="after")
     def _consistent(self) -> StoreysMaps:
-        for name, sizes in (("opening_size", self.opening_size), ("hall_size", self.hall_size)):
-            check_sizes(name, sizes)
-            if sizes[0] > min(self.height, self.width) - 2:
-                raise ValueError(f"{name} begins at {sizes[0]}, more than fits between the walls; lower it")
+        check_fits(self, "opening_size", self.opening_size)
+        check_fits(self, "hall_size", self.hall_size)
         self._plans  # noqa: B018  # refuses rooms that do not fit
         return self
 
