@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from scipy import ndimage
-
 from indoor_explorers.env import UNKNOWN, World
 from indoor_explorers.env.grid.arrays import Mask
 from indoor_explorers.env.grid.levels import Levels, plane_of
@@ -11,6 +9,8 @@ from indoor_explorers.env.grid.levels import Levels, plane_of
 
 def surface_of(world: World, episode: int) -> Mask:
     """Return the mask (H, W) of the surface of an episode's map, in the plane of its levels."""
+    from scipy import ndimage  # here, since it takes long to import
+
     counted = world.state.counts[episode]
     free = Levels.of(counted.shape, world.scenario.map.level_count).volume(counted)
     return plane_of(ndimage.binary_dilation(free) & ~free, False)
