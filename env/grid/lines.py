@@ -45,8 +45,12 @@ def obstacles_on_line(occupancy: np.ndarray, row: int, col: int, to_row: int, to
     rows, cols = abs(to_row - row), abs(to_col - col)
     down, right = (1 if to_row > row else -1), (1 if to_col > col else -1)
     length, found = max(rows, cols), 0
-    for k in range(1, length + 1):
-        below = (2 * k * rows + length) // (2 * length)
-        beside = (2 * k * cols + length) // (2 * length)
-        found += occupancy[row + down * below, col + right * beside] == OCCUPIED
+    along_rows = along_cols = length  # in halves of a cell, times the length
+    for _ in range(length):
+        along_rows, along_cols = along_rows + 2 * rows, along_cols + 2 * cols
+        if along_rows >= 2 * length:
+            along_rows, row = along_rows - 2 * length, row + down
+        if along_cols >= 2 * length:
+            along_cols, col = along_cols - 2 * length, col + right
+        found += occupancy[row, col] == OCCUPIED
     return found

@@ -144,7 +144,7 @@ class World:
         if len(episodes) == 0:
             return
         if self._state is None:
-            self._allocate((starts.truth.shape[1], starts.truth.shape[2]))
+            self.allocate((starts.truth.shape[1], starts.truth.shape[2]))
         for episode, seed, plan in zip(episodes.tolist(), seeds.tolist(), floorplans, strict=True):
             self._floorplans[episode], self.seeds[episode] = plan, seed
             self._priors.pop(episode, None)
@@ -161,7 +161,8 @@ class World:
         """(H, W) of the maps, None before the first episode."""
         return None if self._state is None else self._state.truth.shape[1:]
 
-    def _allocate(self, shape: tuple[int, int]) -> None:
+    def allocate(self, shape: tuple[int, int]) -> None:
+        """Allocate the arrays for maps of a ``shape`` (H, W), which the first episodes do otherwise."""
         self._state = empty_state(self.scenario, self.batch, shape)
         if self.scenario.uncertain:
             self.slam = empty_slam(self.scenario, self.batch, shape)

@@ -14,6 +14,7 @@ from multiprocessing.connection import Connection
 
 from indoor_explorers.env import Briefing, InputError, Pilot, Policy
 from indoor_explorers.env.errors import RunError
+from indoor_explorers.evaluation.harness.engines.compiling import compile_world
 from indoor_explorers.evaluation.harness.engines.keeper import MOST_PROCESSES
 from indoor_explorers.evaluation.harness.engines.policy_handle import PolicyHost, ProcessEnded
 from indoor_explorers.evaluation.harness.engines.remote_pilots import RemotePilots
@@ -36,6 +37,7 @@ def serve(connection: Connection, buffer: SharedStepBuffer, driver: int, limits:
     host = PolicyHost(limits)
     with contextlib.suppress(EOFError, BrokenPipeError, ConnectionResetError):  # the driver has ended
         connection.send(None)
+        compile_world()
         while True:
             _serve_job(connection.recv(), connection, buffer, host)
     host.discard()
