@@ -21,7 +21,9 @@ SIDE = 4
 def compile_world() -> None:
     """Compile what starts, steps and bounds episodes, but for parts that other processes compile at the moment."""
     folder = cache_folder()
-    for part in (_start, _bound, _step) if folder is not None else ():
+    if folder is None:
+        return
+    for part in (_start, _bound, _step):
         try:
             with FileLock(folder / f"{part.__name__}.lock", timeout=0):
                 part()
