@@ -11,6 +11,8 @@ from __future__ import annotations
 import io
 import shutil
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -42,26 +44,39 @@ def marked(page: Any) -> bytes:
     page.evaluate(MARK, list(READ))
     bottom = page.evaluate("document.querySelector('#overview').getBoundingClientRect().bottom")
     clip = {"x": 0, "y": 0, "width": WIDTH, "height": bottom}
-    shot = Image.open(io.BytesIO(page.screenshot(clip=clip))).convert("RGB")
+    return small(page.screenshot(clip=clip))
+
+
+def small(png: bytes) -> bytes:
+    """Return a PNG file with 256 colours."""
     file = io.BytesIO()
+    shot = Image.open(io.BytesIO(png)).convert("RGB")
     shot.quantize(256, dither=Image.Dither.NONE).save(file, format="PNG", optimize=True)
     return file.getvalue()
 
 
-def main(target: Path) -> None:
-    """Write the picture."""
+@contextmanager
+def opened(address: str, *options: str) -> Iterator[Any]:
+    """Open an address in the first Chromium on the PATH, started with ``options``."""
     from playwright.sync_api import sync_playwright  # for developers alone
 
-    with TemporaryDirectory() as folder, sync_playwright() as driver:
+    with sync_playwright() as driver:
+        found = next(filter(None, map(shutil.which, BROWSERS)))
+        browser = driver.chromium.launch(executable_path=found, chromium_sandbox=False, args=options)
+        page = browser.new_page(viewport={"width": WIDTH, "height": HEIGHT}, color_scheme="light")
+        page.goto(address)
+        yield page
+        browser.close()
+
+
+def main(target: Path) -> None:
+    """Write the picture."""
+    with TemporaryDirectory() as folder:
         report = Path(folder) / "report.html"
         report.write_bytes(example_report())
-        found = next(filter(None, map(shutil.which, BROWSERS)))
-        browser = driver.chromium.launch(executable_path=found, chromium_sandbox=False)
-        page = browser.new_page(viewport={"width": WIDTH, "height": HEIGHT}, color_scheme="light")
-        page.goto(report.as_uri())
-        page.wait_for_selector(".league tfoot svg")
-        target.write_bytes(marked(page))
-        browser.close()
+        with opened(report.as_uri()) as page:
+            page.wait_for_selector(".league tfoot svg")
+            target.write_bytes(marked(page))
 
 
 if __name__ == "__main__":
