@@ -157,7 +157,7 @@ def test_an_interrupted_training_equals_a_whole_one_bit_for_bit(
 ) -> None:
     config = TrainingConfig(flights=4, rounds=2, workers=1)
     train(config, None, tmp_path / "whole", seed=2)
-    monkeypatch.setattr("indoor_explorers.learners.places.train.TOGETHER", 2)
+    monkeypatch.setattr("indoor_explorers.learners.places.rounds.TOGETHER", 2)
     interrupted: list[int] = []
 
     def interrupt(progress: Progress) -> None:
