@@ -38,8 +38,8 @@ class TrainOptions(Request):
     """Take scenario, hyperparameters and seed from a preset: that of weights that ship, or a quick training. Options
     given here take precedence."""
     scenario: Annotated[str | None, Option(metavar="PRESET|FILE.toml")] = None
-    """The scenario to train on (default thesis-obstacles); not for attention-sac, dddqn-places and pockets, which draw
-    their own."""
+    """The scenario to train on (default thesis-obstacles); not for attention-sac, dddqn-places, dddqn-reports and
+    pockets, which draw their own."""
     settings: Settings = NO_SETTINGS
     """Hyperparameters of the training, such as batch=512 or observation.tours=false."""
     seed: Annotated[int | None, SEED] = None

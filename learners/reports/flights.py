@@ -1,0 +1,204 @@
+"""Training flights: UAVs choose at random whether to fly home, by the network's values; each choice is recorded."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.grid.cells import FREE
+from indoor_explorers.env.maps.floorplan import Floorplan
+from indoor_explorers.env.policies.policy import Pilot, Policy
+from indoor_explorers.env.policies.registry import make_policy
+from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.env.scenarios.presets import on_files
+from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
+from indoor_explorers.env.simulation.world import World
+from indoor_explorers.learners.pockets.maps import TrainingMaps
+from indoor_explorers.learners.reports.network import NetworkWeights, value
+from indoor_explorers.learners.reports.policy import ReportsPilot
+from indoor_explorers.learners.reports.situation import NUMBERS, Situation
+from indoor_explorers.planners.toolbox.networks.tensors import read_tensors, write_tensors
+
+#: Least and most free cells of a training map.
+FEWEST, LARGEST = 600, 4200
+#: Lidar ranges in cells and numbers of UAVs, each with their shares of the flights.
+RANGES, RANGE_SHARES = (10.0, 7.0, 14.0), (0.8, 0.1, 0.1)
+TEAMS, TEAM_SHARES = (1, 2, 4), (0.2, 0.45, 0.35)
+#: The radios of teams, with their shares.
+RADIOS: tuple[dict[str, Any], ...] = (
+    {"radio.model": "disc", "radio.range": 15.0},
+    {"radio.model": "unlimited"},
+    {"radio.model": "none"},
+)
+RADIO_SHARES = (0.8, 0.1, 0.1)
+#: Least and most budget, in free cells by lidar range and team.
+SHORTEST, LONGEST = 3.5, 11.0
+#: Coverage that the base is to know at the deadline.
+ENOUGH = 0.99
+#: Points that an unknown base costs over the whole budget, and that less than ``ENOUGH`` costs at the deadline: half of
+#: it in any case, and half in proportion to what is missing, up to ``MISSING``.
+POINTS, TOO_LATE, MISSING = 100.0, 15.0, 0.05
+#: Largest value by which choices are drawn, either way, so that each is tried.
+MOST = 3.5
+#: Numbers of the true state at a choice, which the value networks see.
+TRUE = 6
+
+
+class Choice(NamedTuple):
+    """One choice of a flight."""
+
+    situation: Situation
+    step: int
+    known: int
+    """Cells that the UAV knew."""
+    probability: float
+    """With which flying home was drawn."""
+    home: bool
+    """Whether it was."""
+
+
+class Choices(NamedTuple):
+    """C choices, in the order of flights, UAVs and time."""
+
+    numbers: NDArray[np.float32]
+    """(C, NUMBERS) inputs of the network."""
+    rules: NDArray[np.float32]
+    """(C,) values of flying home to the rule."""
+    true: NDArray[np.float32]
+    """(C, TRUE): coverage of the base and of the team, the UAV's share of all cells, their number, the rate at which
+    the rest would have to be seen, and the budget."""
+    probabilities: NDArray[np.float32]
+    """(C,) with which flying home was drawn."""
+    home: NDArray[np.bool_]
+    """(C,) whether it was."""
+    rewards: NDArray[np.float32]
+    """(C,) points until the next choice of the UAV, or the deadline."""
+    durations: NDArray[np.float32]
+    """(C,) time until then, in lidar ranges."""
+    lengths: NDArray[np.int64]
+    """(U,) number of choices of each UAV."""
+    flight: NDArray[np.int64]
+    """(U,) number of its flight."""
+    results: NDArray[np.float64]
+    """(F, 2): mean coverage of the base over the budget, and whether it knew enough at the deadline."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Recorder(Policy):
+    """The policy of a training flight."""
+
+    explorer: str
+    weights: NetworkWeights
+    rng: np.random.Generator
+    choices: dict[int, list[Choice]]
+
+    def pilot(self, briefing: Briefing) -> Pilot:
+        """Make the pilot of one UAV."""
+        explorer = make_policy(self.explorer)
+        return RecordingPilot(briefing, explorer, explorer.pilot(briefing), self)
+
+
+class RecordingPilot(ReportsPilot):
+    """Choose at random, with probabilities that grow with the value, and record the choice."""
+
+    def __init__(self, briefing: Briefing, explorer: Policy, pilot: Pilot, recorder: _Recorder) -> None:
+        super().__init__(briefing, explorer, pilot, recorder.weights)
+        self._recorder = recorder
+
+    def pick(self, view: View, situation: Situation) -> bool:
+        """Return the drawn choice."""
+        odds = max(-MOST, min(MOST, value(situation, self._recorder.weights)))
+        probability = 1.0 / (1.0 + math.exp(-odds))
+        home = bool(self._recorder.rng.random() < probability)
+        choice = Choice(situation, view.step, self.navigator.known, probability, home)
+        self._recorder.choices.setdefault(self.briefing.agent, []).append(choice)
+        return home
+
+
+def task(maps: TrainingMaps, rng: np.random.Generator) -> tuple[Floorplan, dict[str, Any]]:
+    """Return a map, and the settings of a task on it with a home base and a deadline."""
+    free = 0
+    while not FEWEST <= free <= LARGEST:
+        plan = maps.draw(rng)
+        free = int(np.count_nonzero(plan.truth == FREE))
+    reach, team = float(rng.choice(RANGES, p=RANGE_SHARES)), int(rng.choice(TEAMS, p=TEAM_SHARES))
+    length = math.exp(rng.uniform(math.log(SHORTEST), math.log(LONGEST)))
+    radio = RADIOS[rng.choice(len(RADIOS), p=RADIO_SHARES)] if team > 1 else {}
+    base = {"base.at": "start", "base.must_return": True}
+    return plan, {"lidar.range": reach, "team": team, "budget": int(length * free / reach / team), **base, **radio}
+
+
+def fly(maps: TrainingMaps, explorer: str, weights: NetworkWeights, seed: int) -> Choices:
+    """Return the choices of a flight: its map, lidar, team, radio and deadline are drawn by a seed."""
+    rng = np.random.default_rng([seed, 17])
+    plan, settings = task(maps, rng)
+    world = World(on_files(("map",), None).with_settings(settings).for_evaluation())
+    world.begin(0, seed, floorplan=plan)
+    recorder = _Recorder(explorer=explorer, weights=weights, rng=rng, choices={})
+    covered = [(world.base_coverage[0], world.team_coverage[0])]
+    for _ in rollout(world, ask_pilots(recorder, make_pilots(recorder, world), world)):
+        covered.append((world.base_coverage[0], world.team_coverage[0]))
+    budget = int(world.state.budget[0])
+    covered += covered[-1:] * (budget + 1 - len(covered))
+    coverage, total = np.array(covered), int(world.state.total[0])
+    uavs = recorder.choices.values() or [[]]
+    reach, base = settings["lidar.range"], coverage[:, 0]
+    whole = joined([as_arrays(each, coverage, total, world.scenario.team, reach) for each in uavs])
+    return whole._replace(results=np.array([[base[1:].mean(), base[-1] >= ENOUGH]]))
+
+
+def as_arrays(
+    choices: Sequence[Choice], coverage: NDArray[np.float64], total: int, team: int, lidar_range: float
+) -> Choices:
+    """Return the C choices of one UAV, without results.
+
+    ``coverage`` (B + 1, 2) is that of the base and of the team at each step of the budget, ``total`` the number of
+    cells.
+    """
+    base, budget = coverage[:, 0], len(coverage) - 1
+    steps = np.array([*(choice.step for choice in choices), budget])
+    unknown = np.concatenate([[0.0], np.cumsum(1.0 - base[1:])]) / budget * POINTS
+    rewards = -np.diff(unknown[steps])
+    missing = max(0.0, ENOUGH - base[-1])
+    rewards[-1:] -= TOO_LATE / 2.0 * (float(missing > 0.0) + min(1.0, missing / MISSING))
+    known = np.array([choice.known for choice in choices], np.int64)
+    at = coverage[steps[:-1]]
+    rate = (1.0 - at[:, 1]) * total / np.maximum(1, budget - steps[:-1]) / team / lidar_range
+    whole = np.ones(len(choices))
+    length = budget * team * lidar_range / total / 10.0
+    true = np.column_stack([at, known / total, whole * total / 4000.0, rate, whole * length])
+    return Choices(
+        np.array([choice.situation.numbers for choice in choices], np.float32).reshape(-1, NUMBERS),
+        np.array([choice.situation.rule for choice in choices], np.float32),
+        true.astype(np.float32),
+        np.array([choice.probability for choice in choices], np.float32),
+        np.array([choice.home for choice in choices], np.bool_),
+        rewards.astype(np.float32),
+        (np.diff(steps) / lidar_range).astype(np.float32),
+        np.array([len(choices)]),
+        np.zeros(1, np.int64),
+        np.zeros((0, 2)),
+    )
+
+
+def joined(parts: Sequence[Choices]) -> Choices:
+    """Return the choices of several flights, one after the other; the numbers of flights go on."""
+    first = np.cumsum([0, *(len(part.results) for part in parts)])
+    moved = [part._replace(flight=part.flight + before) for part, before in zip(parts, first[:-1], strict=True)]
+    return Choices(*(np.concatenate(arrays) for arrays in zip(*moved, strict=True)))
+
+
+def write_choices(path: Path, choices: Choices) -> None:
+    """Write choices to a file of arrays."""
+    write_tensors(path, choices._asdict())
+
+
+def read_choices(paths: Sequence[Path]) -> Choices:
+    """Return the choices of some files, one after the other."""
+    return joined([Choices(**read_tensors(path)[0]) for path in paths])
