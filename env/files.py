@@ -11,6 +11,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from uuid import uuid4
 
+from filelock import FileLock, Timeout
+
 from indoor_explorers.env.errors import InputError
 
 
@@ -33,6 +35,29 @@ def writable(path: Path, option: str) -> Iterator[None]:
         raise InputError(
             f"{error.filename or path}: cannot be written: {error.strerror}; choose another {option}"
         ) from error
+
+
+@contextmanager
+def alone_in(folder: Path, option: str) -> Iterator[None]:
+    """Keep other processes that ask for the same out of a folder; the system lets them in when this process ends.
+
+    Raises:
+        InputError: another process is in it.
+
+    """
+    lock = FileLock(folder / ".lock", timeout=0)
+    try:
+        lock.acquire()
+    except Timeout as error:
+        raise InputError(f"{folder}: another process writes here; wait for it, or choose another {option}") from error
+    except NotImplementedError:  # some file systems have no locks
+        yield
+        return
+    try:
+        yield
+    finally:
+        (folder / ".lock").unlink(missing_ok=True)
+        lock.release()
 
 
 @contextmanager

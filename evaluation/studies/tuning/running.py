@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import tomli_w
 
 from indoor_explorers.env import InputError
-from indoor_explorers.env.files import writable, write_whole
+from indoor_explorers.env.files import alone_in, writable, write_whole
 from indoor_explorers.evaluation.driver import run
 from indoor_explorers.evaluation.harness.engines.factory import kept_engine
 from indoor_explorers.evaluation.harness.experiment.experiment import Experiment
@@ -41,7 +41,7 @@ def run_tuning(request: TuneRequest, command: str, tell: Tell) -> None:
 
     Raises:
         InputError: Optuna is missing, something asked for does not exist or fit together, or the folder holds another
-            search.
+            search, or one that runs.
 
     """
     if find_spec("optuna") is None:
@@ -51,10 +51,11 @@ def run_tuning(request: TuneRequest, command: str, tell: Tell) -> None:
     search = Search.of(request)
     with writable(request.out, "--out"):
         search.claim(request.out)
-        with kept_engine(request.workers) as engine:
-            study = run_search(search, Flights(search, engine, command), tell)
-        gain = _gain(search, study.best_trial, command) if study.best_trial.number > 0 else None
-        _write(search, study, gain, command)
+        with alone_in(request.out, "--out"):
+            with kept_engine(request.workers) as engine:
+                study = run_search(search, Flights(search, engine, command), tell)
+            gain = _gain(search, study.best_trial, command) if study.best_trial.number > 0 else None
+            _write(search, study, gain, command)
     for line in (f"Page: {request.out / 'tuning.html'}", f"Tuned policy: {request.out / TUNED}"):
         tell(line)
     tell(NONE_BETTER if gain is None else gain.line)

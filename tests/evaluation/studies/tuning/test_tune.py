@@ -8,6 +8,7 @@ import numpy as np
 import optuna
 import pytest
 
+from indoor_explorers.env.files import alone_in
 from indoor_explorers.env.scenarios.seed_sets import SeedUse, use_of
 from indoor_explorers.evaluation.cli.parser import main
 from indoor_explorers.evaluation.harness.results.results import Results
@@ -95,6 +96,14 @@ def test_another_search_in_the_folder_is_refused_in_a_line(tuned, room, capsys):
         assert differing in line
     assert tune(tuned, room, policy="frontier-advantage(taken=3.0)") == 2
     assert "policy.parameters.taken (1.0 and 3.0)" in capsys.readouterr().err
+
+
+def test_a_folder_in_which_a_search_runs_is_refused_in_a_line(tuned, room, capsys):
+    with alone_in(tuned, "--out"):
+        assert tune(tuned, room) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "another process writes here" in line
+    assert tune(tuned, room) == 0
 
 
 def test_compare_reads_what_was_tuned_and_notes_the_seeds_it_was_tuned_on(tuned, tmp_path, capsys):
