@@ -44,8 +44,8 @@ def shortened(words: list[str]) -> list[str]:
     more = SHORTER.get(words[0], [])
     if words[0] == "train" and "dddqn-thesis" in words:
         more = ["--set", "episodes=3", "evaluation_episodes=2"]
-    if words[0] == "train" and {"dddqn-places", "pockets"} & {*words}:
-        more = ["--set", "flights=3", "rounds=1" if "dddqn-places" in words else "epochs=1"]
+    if words[0] == "train" and {"dddqn-places", "dddqn-reports", "pockets"} & {*words}:
+        more = ["--set", "flights=3", "epochs=1" if "pockets" in words else "rounds=1"]
     if words[0] == "watch" and "--save" not in words:
         more = [*more, "--save", "last.png"]
     return [*words, *more]

@@ -29,7 +29,7 @@ GREY = 6
 SHIPPED = {
     0: ("frontier", "frontier-joint", "rrt-nbv", "frontier-hungarian", "sgba"),
     1: ("frontier-nearest", "frontier-burgard", "hedac", "frontier-mrtsp", "cover-tour"),
-    2: ("dddqn", "dddqn-places", "pomdp", "prior-tour", "return-to-base"),
+    2: ("dddqn", "dddqn-places", "pomdp", "prior-tour", "return-to-base", "dddqn-reports"),
     3: ("pso", "frontier-advantage", "pso-robots", "prm-tour", "rrt-predictive", "level-by-level"),
     4: ("rrt", "rrt-aep", "aco", "frontier-tour", "dddqn-thesis", "attention-sac"),
     5: ("frontier-predictive", "horizon", "frontier-minpos", "gso", "pso-predictive"),

@@ -63,6 +63,7 @@ DOCUMENTS = {
     "learners/THESIS.md": "methods/thesis.md",
     "learners/attention/ATTENTION.md": "methods/attention.md",
     "learners/places/PLACES.md": "methods/places.md",
+    "learners/reports/REPORTS.md": "methods/reports.md",
     "learners/pockets/POCKETS.md": "methods/pockets.md",
     "env/maps/FLOORS.md": "methods/floors.md",
 }

@@ -147,10 +147,16 @@ def fly(maps: TrainingMaps, explorer: str, weights: NetworkWeights, seed: int) -
     budget = int(world.state.budget[0])
     covered += covered[-1:] * (budget + 1 - len(covered))
     coverage, total = np.array(covered), int(world.state.total[0])
-    uavs = recorder.choices.values() or [[]]
+    uavs: Sequence[list[Choice]] = [*recorder.choices.values()] or [[]]
     reach, base = settings["lidar.range"], coverage[:, 0]
     whole = joined([as_arrays(each, coverage, total, world.scenario.team, reach) for each in uavs])
     return whole._replace(results=np.array([[base[1:].mean(), base[-1] >= ENOUGH]]))
+
+
+def late_cost(coverage: float) -> float:
+    """Return the points that it costs if the base has a ``coverage`` at the deadline."""
+    missing = max(0.0, ENOUGH - coverage)
+    return TOO_LATE / 2.0 * (float(missing > 0.0) + min(1.0, missing / MISSING))
 
 
 def as_arrays(
@@ -165,8 +171,7 @@ def as_arrays(
     steps = np.array([*(choice.step for choice in choices), budget])
     unknown = np.concatenate([[0.0], np.cumsum(1.0 - base[1:])]) / budget * POINTS
     rewards = -np.diff(unknown[steps])
-    missing = max(0.0, ENOUGH - base[-1])
-    rewards[-1:] -= TOO_LATE / 2.0 * (float(missing > 0.0) + min(1.0, missing / MISSING))
+    rewards[-1:] -= late_cost(base[-1])
     known = np.array([choice.known for choice in choices], np.int64)
     at = coverage[steps[:-1]]
     rate = (1.0 - at[:, 1]) * total / np.maximum(1, budget - steps[:-1]) / team / lidar_range

@@ -69,7 +69,7 @@ class SituationObserver:
         silent = view.step if view.base_age is None else view.base_age
         away = pilot.navigator.paths.field(view.belief, view.cell).ravel()[clusters.cells]
         from_home = pilot.steps_home.ravel()[clusters.cells]
-        from_home = from_home[from_home < UNREACHABLE] if (from_home < UNREACHABLE).any() else np.zeros(1)
+        from_home = from_home[from_home < UNREACHABLE]
         numbers = (
             view.step / view.budget,
             min(home / left, 2.0),
@@ -86,8 +86,8 @@ class SituationObserver:
             *self._of_teammates(view),
             min(clusters.size / 30.0, 2.0),
             min(int(away.min()) / reach, 10.0) / 5.0 if away.size else 0.0,
-            min(int(from_home.min()) / reach, 10.0) / 5.0,
-            min(int(from_home.max()) / reach, 20.0) / 10.0,
+            min(int(from_home.min()) / reach, 10.0) / 5.0 if from_home.size else 0.0,
+            min(int(from_home.max(initial=0)) / reach, 20.0) / 10.0,
             reach / 10.0,
             left * team * reach / free / 10.0,
         )

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import torch
-from pydantic import field_validator
+from pydantic import Field, field_validator
 
 from indoor_explorers.env.policies.registry import make_policy
 from indoor_explorers.learners.places.rounds import RoundSettings, RoundsTraining
@@ -40,6 +40,10 @@ __all__ = ["DEFAULT_SCENARIO", "TrainingConfig", "flown", "train"]
 class TrainingConfig(RoundSettings):
     """Describe one training completely, together with its seed."""
 
+    rounds: int = Field(4, ge=1)
+    """Rounds of flying and learning."""
+    flights: int = Field(1000, ge=1)
+    """Flights in one round."""
     explorer: str = "frontier-predictive"
     """Registry name of the policy that explores."""
 

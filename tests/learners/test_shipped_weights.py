@@ -16,6 +16,10 @@ from indoor_explorers.learners.dddqn.weights import shipped
 from indoor_explorers.learners.places.network import load_weights as load_places
 from indoor_explorers.learners.places.network import values
 from indoor_explorers.learners.places.policy import SHIPPED as PLACES
+from indoor_explorers.learners.reports.network import load_weights as load_reports
+from indoor_explorers.learners.reports.network import value as report_value
+from indoor_explorers.learners.reports.policy import SHIPPED as REPORTS
+from indoor_explorers.learners.reports.situation import NUMBERS, Situation
 from indoor_explorers.learners.thesis.inference import SHIPPED as THESIS
 from indoor_explorers.learners.thesis.inference import q_values as thesis_values
 from indoor_explorers.learners.thesis.inference import trained
@@ -34,6 +38,7 @@ OUTPUTS = {
     "thesis-obstacles-map": "f92959ac57855a97",
     "places": "a6402e53dd6a5afe",
     "pockets": "88392fe87dae3ed7",
+    "reports": "c100c0f2527280a7",
     "rewards-1-stuck-2": "5f8c4e4d9b3bce7b",
 }
 #: Policy, its parameters, scenario, and the digest of the cells of a short flight.
@@ -51,6 +56,7 @@ FLIGHTS: tuple[tuple[str, dict[str, Any], str, str], ...] = (
 WHOLE_FLIGHTS = (
     ("dddqn-places", "small-floors", 1, "07a9717b145aba30"),
     ("dddqn-places", "small-rooms", 2, "b6dda7b9d829275a"),
+    ("dddqn-reports", "office-base-2", 2, "4a168b15de5b76c9"),
     ("dddqn", "thesis-team-2", 2, "2ab5ecd33e039c77"),
     ("dddqn", "thesis-obstacles", 1, "1568e666f0654ce8"),
 )
@@ -80,12 +86,19 @@ def pocket_outputs() -> NDArray[np.float32]:
     return outputs(fine, coarse, rng.random((5, 2), np.float32), load_pockets(POCKETS))
 
 
+def report_outputs() -> NDArray[np.float32]:
+    rows = np.random.default_rng(1).random((5, NUMBERS), np.float32)
+    return np.array([report_value(Situation(row, 0.0), load_reports(REPORTS)) for row in rows], np.float32)
+
+
 def found_outputs(name: str) -> NDArray[np.float32]:
     match name:
         case "places":
             return values(random_scene(5), load_places(PLACES))
         case "pockets":
             return pocket_outputs()
+        case "reports":
+            return report_outputs()
         case "rewards-1-stuck-2":
             return thesis_outputs()
         case _:
