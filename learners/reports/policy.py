@@ -15,6 +15,8 @@ from indoor_explorers.learners.reports.situation import Situation, SituationObse
 from indoor_explorers.learners.sessions.record import digest_of
 from indoor_explorers.planners.toolbox.explorers import ExploringWith
 from indoor_explorers.planners.toolbox.networks.weights_file import weights_path
+from indoor_explorers.planners.toolbox.pockets.estimates import SHIPPED as POCKETS
+from indoor_explorers.planners.toolbox.pockets.outlook import EstimateUser
 from indoor_explorers.planners.toolbox.reporting import ReportingPilot
 
 #: The weights that ship.
@@ -26,9 +28,11 @@ NAME = "reports.safetensors"
 class ReportsPilot(ReportingPilot):
     """Choose once in a lidar range of flight whether to fly home."""
 
-    def __init__(self, briefing: Briefing, explorer: Policy, pilot: Pilot, weights: NetworkWeights) -> None:
+    def __init__(
+        self, briefing: Briefing, explorer: Policy, pilot: Pilot, weights: NetworkWeights, pockets: Path = POCKETS
+    ) -> None:
         super().__init__(briefing, explorer, pilot)
-        self._weights, self._observer = weights, SituationObserver(self)
+        self._weights, self._observer = weights, SituationObserver(self, pockets)
         self._period, self._next = max(1, int(briefing.lidar_range)), 0
 
     def act(self, view: View) -> int:
@@ -51,7 +55,7 @@ class ReportsPilot(ReportingPilot):
 
 
 @dataclass(frozen=True, kw_only=True)
-class DddqnReports(ExploringWith):
+class DddqnReports(EstimateUser, ExploringWith):
     """Explore as another policy does, and report to a home base when a dueling network values it.
 
     Once in a lidar range of flight the network compares flying home with exploring on, from 24 numbers about what is
@@ -88,15 +92,17 @@ class DddqnReports(ExploringWith):
     def pilot(self, briefing: Briefing) -> ReportsPilot:
         """Make the pilot of one UAV for one episode."""
         explorer = make_policy(self.explorer)
-        return ReportsPilot(briefing, explorer, explorer.pilot(briefing), load_weights(self.path))
+        return ReportsPilot(briefing, explorer, explorer.pilot(briefing), load_weights(self.path), self.pocket_path)
 
     def provenance(self) -> dict[str, str]:
-        """Return the hash of the network's weights, and what the explorer declares."""
-        return super().provenance() | {"reports_sha256": digest_of(self.path)}
+        """Return the hashes of the network's weights and of those of the estimates, and what the explorer declares."""
+        others = EstimateUser.provenance(self) | ExploringWith.provenance(self)
+        return others | {"reports_sha256": digest_of(self.path)}
 
     def seen_maps(self) -> dict[str, list[str]]:
-        """Return the maps that the network and the explorer were learned from."""
-        return joined([dict(super().seen_maps()), recorded_maps(record_of(self.path))])
+        """Return the maps that the network, the estimates and the explorer were learned from."""
+        others = [EstimateUser.seen_maps(self), ExploringWith.seen_maps(self)]
+        return joined([*others, recorded_maps(record_of(self.path))])
 
 
 def opened(path: str, **parameters: Any) -> DddqnReports:

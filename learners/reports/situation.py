@@ -7,6 +7,7 @@ lidar, map and deadline.
 from __future__ import annotations
 
 from math import log, log1p
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -16,6 +17,7 @@ from indoor_explorers.env.grid.cells import FREE, UNREACHABLE
 from indoor_explorers.env.policies.view import View
 from indoor_explorers.planners.toolbox.explorers import added
 from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters
+from indoor_explorers.planners.toolbox.pockets.estimates import SHIPPED as POCKETS
 from indoor_explorers.planners.toolbox.pockets.estimates import PocketEstimator
 from indoor_explorers.planners.toolbox.reporting import ADDED, ReportingPilot, home_of
 
@@ -42,12 +44,19 @@ class Situation(NamedTuple):
 
 
 class SituationObserver:
-    """Observe the choices of one pilot, with the free cells that are expected behind frontier clusters."""
+    """Observe the choices of one pilot, with the free cells that are expected behind frontier clusters.
 
-    def __init__(self, pilot: ReportingPilot) -> None:
+    Args:
+        pilot: The pilot that chooses.
+        pocket_weights: File of the estimates' weights.
+
+    """
+
+    def __init__(self, pilot: ReportingPilot, pocket_weights: Path = POCKETS) -> None:
         self._pilot = pilot
         self._range = float(pilot.briefing.lidar_range)
-        self._estimator = PocketEstimator(self._range) if pilot.briefing.levels.number == 1 else None
+        one_level = pilot.briefing.levels.number == 1  # the estimates know no levels
+        self._estimator = PocketEstimator(self._range, path=pocket_weights) if one_level else None
         self._known: list[int] = []
 
     def note(self) -> None:

@@ -25,7 +25,7 @@ from indoor_explorers.evaluation.statistics import bootstrap_mean
 from indoor_explorers.learners.pockets.maps import TrainingMaps
 from indoor_explorers.learners.reports.flights import ENOUGH, POINTS, late_cost, task
 
-#: Seed of the first task, beyond those of all trainings.
+#: Seed of the first task, beyond those of trainings with a seed below 89.
 FIRST = 900_000_000
 #: The explorer of all.
 EXPLORER = "frontier-predictive"

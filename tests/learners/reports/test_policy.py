@@ -74,6 +74,12 @@ def test_it_declares_both_networks(tmp_path):
     assert len(declared["reports_sha256"]) == 64
 
 
+def test_it_has_seen_what_the_estimates_were_learned_from_whoever_explores(tmp_path):
+    seen = policy_of(tmp_path, 0.0, "rrt")
+    assert seen.seen_maps() == make_policy("frontier-predictive").seen_maps() != {}
+    assert "pocket_weights" in seen.provenance()
+
+
 def test_missing_weights_are_refused(tmp_path):
     with pytest.raises(InputError, match=NAME):
         opened(str(tmp_path))
