@@ -194,6 +194,24 @@ def test_dragging_turns_the_building_and_the_timeline_moves_it_on(drawing_browse
         assert len({before, turned, picture(page)}) == 3
 
 
+def test_a_click_in_three_dimensions_explains_a_uav_and_a_drag_from_it_does_not(drawing_browser, tall):
+    with opened(drawing_browser, f"{tall}#replay=s1;step={STEP}") as visit:
+        page, canvas = visit.page, visit.page.locator("#replay-s1 canvas.space")
+        canvas.scroll_into_view_if_needed()
+        x, y = canvas.evaluate("canvas => canvas.marks.at(0).map((at) => at * canvas.clientWidth / canvas.width)")
+        box = canvas.bounding_box()
+        page.mouse.move(box["x"] + x, box["y"] + y)
+        page.mouse.down()
+        page.mouse.move(box["x"] + x + 60, box["y"] + y, steps=3)
+        page.mouse.up()
+        assert not page.locator("#replay-s1 .why").is_visible()
+        page.get_by_role("button", name="Look at the whole building").click()
+        page.evaluate("() => new Promise(requestAnimationFrame)")
+        canvas.click(position={"x": x, "y": y})
+        page.locator("#replay-s1 .why").wait_for(state="visible")
+        page.wait_for_url(f"**why={POLICY},0*")
+
+
 def test_slices_and_three_dimensions_can_be_had_alone_and_fit_a_phone(drawing_browser, tall):
     with opened(drawing_browser, f"{tall}#replay=s1", viewport={"width": 390, "height": 844}) as visit:
         page = visit.page

@@ -28,7 +28,7 @@ class Panel {
     this.end = element("span", { className: "end" });
     this.twins = element("small", { className: "twins" });
     this.whys = element("div", { className: "whys", role: "group" });
-    this.canvas.addEventListener("click", (event) => this.pick(event));
+    this.canvas.addEventListener("click", (event) => this.pick(event, this.marks));
     this.box = element("div", { className: "panel" },
       element("div", { className: "head" }, this.chip, this.choice),
       element("div", { className: "window" }, this.canvas),
@@ -59,12 +59,12 @@ class Panel {
     this.whys.replaceChildren(...(alone ? [] : [element("span", { textContent: "Explain UAV" })]), ...this.asks);
   }
 
-  /* Explain the UAV that was clicked at, or tapped near. */
-  pick(event) {
-    if (!this.marks) return;
-    const shrunk = this.canvas.width / this.canvas.clientWidth, near = Math.max(1.5 * this.marks.radius, 16 * shrunk);
+  /* Explain the UAV that was clicked at, or tapped near, on a canvas with ``marks``. */
+  pick(event, marks) {
+    if (!marks) return;
+    const { width, clientWidth } = event.currentTarget, shrunk = width / clientWidth, near = Math.max(1.5 * marks.radius, 16 * shrunk);
     const away = this.asks.map((_, uav) => {
-      const [x, y] = this.marks.at(uav);
+      const [x, y] = marks.at(uav);
       return Math.hypot(x - event.offsetX * shrunk, y - event.offsetY * shrunk);
     });
     const uav = away.indexOf(Math.min(...away));

@@ -52,14 +52,25 @@ class SpaceMarks extends Marks {
   }
 }
 
+/* Pixels within which a pressed pointer has not been dragged. */
+const STILL = 5;
+
 class SpacePanel {
   constructor(panel, space) {
     Object.assign(this, { panel, space });
     this.canvas = element("canvas", { className: "space", role: "img", tabIndex: 0,
-      title: "Drag to turn it; drag with the right button or two fingers to move it; pinch, or after a click the wheel, to zoom" });
+      title: "Click a UAV to explain it; drag to turn the building; drag with the right button or two fingers to move it; pinch, or after a click the wheel, to zoom" });
     panel.box.querySelector(".window").after(this.canvas);
     this.controls = space.orbit.attach(this.canvas);
+    this.canvas.addEventListener("pointerdown", (event) => { this.pressed = [event.clientX, event.clientY]; });
+    this.canvas.addEventListener("click", (event) => this.pick(event));
     this.building = new BuildingScene(space.colours());
+  }
+
+  /* Explain the UAV that was clicked at, unless the click ends a drag. */
+  pick(event) {
+    const [x, y] = this.pressed || [event.clientX, event.clientY];
+    if (Math.hypot(event.clientX - x, event.clientY - y) < STILL) this.panel.pick(event, this.canvas.marks);
   }
 
   remove() {
@@ -108,7 +119,8 @@ class SpacePanel {
 
   mark(pen) {
     const { replay } = this.space, { layers, why, episode, inks } = replay, ratio = window.devicePixelRatio || 1;
-    const marks = new SpaceMarks(pen, this.flight, episode.base, this.now, ratio, inks, this), told = why.toldOn(this.panel, this.now);
+    const marks = this.canvas.marks = new SpaceMarks(pen, this.flight, episode.base, this.now, ratio, inks, this);
+    const told = why.toldOn(this.panel, this.now);
     marks.levels(this.voxels.grid.levels);
     marks.plumbs();
     if (layers.has("links")) marks.links();
