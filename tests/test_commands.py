@@ -22,7 +22,7 @@ PLACEHOLDERS = re.compile(
     r"|places:"
 )
 #: Commands that need map files of others.
-DATA = re.compile(r"--data|data=|DungeonMaps|g4s_y2")
+DATA = re.compile(r"--data|data=|DungeonMaps|g4s_y2|\.building\.yaml|hotel\.bt")
 #: What makes a command short.
 SHORTER = {
     "compare": ["--episodes", "1", "--workers", "1"],
@@ -58,6 +58,7 @@ def prepared(tmp_path_factory):
     free = np.full((40, 60), 254, np.uint8)
     free[[0, -1]] = free[:, [0, -1]] = free[20, 5:40] = 0
     Image.fromarray(free).save(folder / "floor.png")
+    np.save(folder / "hall.npy", np.zeros((3, 6, 8), np.uint8))
     (folder / "floor.yaml").write_text(
         "image: floor.png\nresolution: 0.1\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.2\n"
     )
