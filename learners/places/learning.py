@@ -44,13 +44,29 @@ def advantages(choices: ChoiceArrays, values: NDArray[np.float32], later: float)
     less the value, 0 the temporal-difference error until the next choice alone.
     """
     rewards, durations = choices.arrays["rewards"], choices.arrays["durations"]
+    return discounted_surprises(rewards, durations, choices.lengths, values, later, DISCOUNT)
+
+
+def discounted_surprises(
+    rewards: NDArray[np.float32],
+    durations: NDArray[np.float32],
+    lengths: NDArray[np.int64],
+    values: NDArray[np.float32],
+    later: float,
+    discount: float,
+) -> NDArray[np.float32]:
+    """Return the sum (C,) of each choice's surprise, its temporal-difference error, and the later ones of its UAV.
+
+    ``rewards``, ``durations`` and ``values`` (C,) are those of the choices of U UAVs, ``lengths`` (U,) the choices of
+    each. Both factors are per unit of duration: ``discount`` on what comes later, ``later`` besides on later surprises.
+    """
     out, first = np.zeros(len(values), np.float32), 0
-    for length in choices.lengths.tolist():
+    for length in lengths.tolist():
         following = beyond = 0.0
         for k in range(first + length - 1, first - 1, -1):
-            discount = DISCOUNT ** durations[k]
-            surprise = rewards[k] + discount * following - values[k]
-            beyond = surprise + discount * later ** durations[k] * beyond
+            factor = discount ** durations[k]
+            surprise = rewards[k] + factor * following - values[k]
+            beyond = surprise + factor * later ** durations[k] * beyond
             out[k], following = beyond, values[k]
         first += length
     return out

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 from torch.nn import functional
 
-from indoor_explorers.learners.places.learning import minimise
+from indoor_explorers.learners.places.learning import discounted_surprises, minimise
 from indoor_explorers.learners.reports.flights import TRUE, Choices
 from indoor_explorers.learners.reports.network import WIDTH, NetworkWeights
 from indoor_explorers.learners.reports.situation import NUMBERS
@@ -61,14 +61,7 @@ class AdvantageNet(nn.Sequential):
 
 def advantages(choices: Choices, values: NDArray[np.float32], later: float) -> NDArray[np.float32]:
     """Return the advantages of the choices, (C,), in points; ``later`` 1 gives the return less ``values`` (C,)."""
-    out, first = np.zeros(len(values), np.float32), 0
-    for length in choices.lengths.tolist():
-        following = beyond = 0.0
-        for k in range(first + length - 1, first - 1, -1):
-            beyond = choices.rewards[k] + following - values[k] + later ** choices.durations[k] * beyond
-            out[k], following = beyond, values[k]
-        first += length
-    return out
+    return discounted_surprises(choices.rewards, choices.durations, choices.lengths, values, later, 1.0)
 
 
 def learn_values(choices: Choices) -> NDArray[np.float32]:
