@@ -7,7 +7,7 @@ import shutil
 import stat
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from uuid import uuid4
 
@@ -45,19 +45,28 @@ def alone_in(folder: Path, option: str) -> Iterator[None]:
         InputError: another process is in it.
 
     """
-    lock = FileLock(folder / ".lock", timeout=0)
-    try:
-        lock.acquire()
-    except Timeout as error:
-        raise InputError(f"{folder}: another process writes here; wait for it, or choose another {option}") from error
-    except NotImplementedError:  # some file systems have no locks
+    with locked(folder / ".lock") as alone:
+        if not alone:
+            raise InputError(f"{folder}: another process writes here; wait for it, or choose another {option}")
         yield
-        return
+
+
+@contextmanager
+def locked(path: Path) -> Iterator[bool]:
+    """Hold a lock file, unless another process does; give whether no other does, as far as the file system can tell."""
+    lock = FileLock(path, timeout=0)
+    with suppress(NotImplementedError):  # some file systems have no locks
+        try:
+            lock.acquire()
+        except Timeout:
+            yield False
+            return
     try:
-        yield
+        yield True
     finally:
-        (folder / ".lock").unlink(missing_ok=True)
-        lock.release()
+        if lock.is_locked:
+            path.unlink(missing_ok=True)
+            lock.release()
 
 
 @contextmanager

@@ -45,7 +45,7 @@ def obstacles_on_line(occupancy: np.ndarray, row: int, col: int, to_row: int, to
     rows, cols = abs(to_row - row), abs(to_col - col)
     down, right = (1 if to_row > row else -1), (1 if to_col > col else -1)
     length, found = max(rows, cols), 0
-    along_rows = along_cols = length  # in halves of a cell, times the length
+    along_rows = along_cols = length  # in cells, times twice the length
     for _ in range(length):
         along_rows, along_cols = along_rows + 2 * rows, along_cols + 2 * cols
         if along_rows >= 2 * length:

@@ -8,7 +8,7 @@ import signal
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, Generic, NamedTuple, TypeVar
+from typing import Any, ClassVar, Generic, NamedTuple, TypeVar
 
 import numpy as np
 from pydantic import Field
@@ -69,6 +69,8 @@ class RoundsTraining(Trainee, Generic[Settings, Weights]):
 
     unit = "rounds"
     steps = 0
+    layout: ClassVar[type[Any]]
+    """The named tuple of a network's arrays."""
 
     def __init__(self, config: Settings, seed: int, folder: Path, checkpoint: Path | None = None) -> None:
         self.config, self.seed, self.folder = config, seed, folder / FLIGHTS
@@ -163,10 +165,9 @@ class RoundsTraining(Trainee, Generic[Settings, Weights]):
 
     def _restore(self, path: Path) -> None:
         tensors, state = read_checkpoint(path)
-        kind = type(self.untrained())
         with reporting_damage(path):
             self.networks = [
-                kind(*(tensors[f"{number}/{name}"] for name in kind._fields))  # type: ignore[attr-defined]
+                self.layout(*(tensors[f"{number}/{name}"] for name in self.layout._fields))
                 for number in range(state["rounds"] + 1)
             ]
             self.figures = state["figures"]

@@ -58,6 +58,8 @@ def fly_seeds(maps: TrainingMaps, loaded: Loaded, path: Path, seeds: range) -> N
 class PlacesTraining(RoundsTraining[TrainingConfig, NetworkWeights]):
     """Alternate flights and learning."""
 
+    layout = NetworkWeights
+
     def untrained(self) -> NetworkWeights:
         """Return a network that leaves the values to the planner's costs."""
         torch.manual_seed(self.seed)

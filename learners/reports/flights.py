@@ -39,6 +39,8 @@ RADIOS: tuple[dict[str, Any], ...] = (
 RADIO_SHARES = (0.8, 0.1, 0.1)
 #: Least and most budget, in free cells by lidar range and team.
 SHORTEST, LONGEST = 3.5, 11.0
+#: Number of the random numbers of a flight beside its seed.
+STREAM = 17
 #: Coverage that the base is to know at the deadline.
 ENOUGH = 0.99
 #: Points that an unknown base costs over the whole budget, and that less than ``ENOUGH`` costs at the deadline: half of
@@ -136,7 +138,7 @@ def task(maps: TrainingMaps, rng: np.random.Generator) -> tuple[Floorplan, dict[
 
 def fly(maps: TrainingMaps, explorer: str, weights: NetworkWeights, seed: int) -> Choices:
     """Return the choices of a flight: its map, lidar, team, radio and deadline are drawn by a seed."""
-    rng = np.random.default_rng([seed, 17])
+    rng = np.random.default_rng([seed, STREAM])
     plan, settings = task(maps, rng)
     world = World(on_files(("map",), None).with_settings(settings).for_evaluation())
     world.begin(0, seed, floorplan=plan)

@@ -62,6 +62,8 @@ def fly_seeds(maps: TrainingMaps, explorer: str, weights: NetworkWeights, path: 
 class ReportsTraining(RoundsTraining[TrainingConfig, NetworkWeights]):
     """Alternate flights and learning."""
 
+    layout = NetworkWeights
+
     def untrained(self) -> NetworkWeights:
         """Return a network that leaves the choice to the rule."""
         torch.manual_seed(self.seed)

@@ -5,12 +5,14 @@ Each takes a part that no other process compiles, instead of waiting for the fun
 
 from __future__ import annotations
 
+from contextlib import suppress
+
 import numpy as np
-from filelock import FileLock, Timeout
 
 from indoor_explorers.env import Scenario, World
+from indoor_explorers.env.files import locked
 from indoor_explorers.env.grid.cells import FREE, Action
-from indoor_explorers.env.grid.compile_cache import cache_folder
+from indoor_explorers.env.grid.compile_cache import cache_folder, not_compiled
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.evaluation.harness.episodes.lower_bounds import lower_bounds
 
@@ -19,16 +21,17 @@ SIDE = 4
 
 
 def compile_world() -> None:
-    """Compile what starts, steps and bounds episodes, but for parts that other processes compile at the moment."""
+    """Compile what starts, steps and bounds episodes, but for parts that other processes compile at the moment.
+
+    Where steps are compiled already, nothing is done.
+    """
     folder = cache_folder()
-    if folder is None:
+    if folder is None or not any(label.startswith("advance-") for label in not_compiled()):
         return
     for part in (_start, _bound, _step):
-        try:
-            with FileLock(folder / f"{part.__name__}.lock", timeout=0):
+        with suppress(OSError), locked(folder / f"{part.__name__}.lock") as alone:
+            if alone:
                 part()
-        except (OSError, Timeout, NotImplementedError):  # another process has it, or there are no locks
-            continue
 
 
 def _start() -> None:

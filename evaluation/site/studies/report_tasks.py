@@ -23,7 +23,7 @@ from indoor_explorers.evaluation.harness.episodes.runner import fly
 from indoor_explorers.evaluation.harness.experiment.experiment import Task
 from indoor_explorers.evaluation.statistics import bootstrap_mean
 from indoor_explorers.learners.pockets.maps import TrainingMaps
-from indoor_explorers.learners.reports.flights import ENOUGH, POINTS, late_cost, task
+from indoor_explorers.learners.reports.flights import ENOUGH, POINTS, STREAM, late_cost, task
 
 #: Seed of the first task, beyond those of trainings with a seed below 89.
 FIRST = 900_000_000
@@ -63,7 +63,7 @@ def policies() -> dict[str, Policy]:
 
 def flown(seed: int) -> dict[str, Flown]:
     """Return the flights of all policies over the task of a seed."""
-    plan, settings = task(TrainingMaps(), np.random.default_rng([seed, 17]))
+    plan, settings = task(TrainingMaps(), np.random.default_rng([seed, STREAM]))
     scenario, where = on_files(("map",), None).with_settings(settings).for_evaluation(), Task("drawn", 0, seed)
     found = {}
     for name, policy in policies().items():
