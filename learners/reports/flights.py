@@ -22,7 +22,7 @@ from indoor_explorers.env.simulation.world import World
 from indoor_explorers.learners.pockets.maps import TrainingMaps
 from indoor_explorers.learners.reports.network import NetworkWeights, value
 from indoor_explorers.learners.reports.policy import ReportsPilot
-from indoor_explorers.learners.reports.situation import NUMBERS, Situation
+from indoor_explorers.learners.reports.situation import HIGHEST_LATE_COST, NUMBERS, Situation
 from indoor_explorers.planners.toolbox.networks.tensors import read_tensors, write_tensors
 
 #: Least and most free cells of a training map.
@@ -43,11 +43,10 @@ SHORTEST, LONGEST = 3.5, 11.0
 STREAM = 17
 #: Coverage that the base is to know at the deadline.
 ENOUGH = 0.99
-#: Points that an unknown base costs over the whole budget, and that less than ``ENOUGH`` costs at the deadline: half of
-#: it in any case, and half in proportion to what is missing, up to ``MISSING``.
-POINTS, TOO_LATE, MISSING = 100.0, 15.0, 0.05
-#: Largest value by which choices are drawn, either way, so that each is tried.
-MOST = 3.5
+#: Points that an unknown base costs over the whole budget, and what is missing at the deadline at a full late cost.
+POINTS, MISSING = 100.0, 0.05
+#: Share of the flights without a late cost, and the least one of the others.
+NO_LATE_COST, LOWEST_LATE_COST = 0.2, 5.0
 #: Numbers of the true state at a choice, which the value networks see.
 TRUE = 6
 
@@ -97,6 +96,8 @@ class _Recorder(Policy):
 
     explorer: str
     weights: NetworkWeights
+    late_cost: float
+    clear: float
     rng: np.random.Generator
     choices: dict[int, list[Choice]]
 
@@ -110,12 +111,13 @@ class RecordingPilot(ReportsPilot):
     """Choose at random, with probabilities that grow with the value, and record the choice."""
 
     def __init__(self, briefing: Briefing, explorer: Policy, pilot: Pilot, recorder: _Recorder) -> None:
-        super().__init__(briefing, explorer, pilot, recorder.weights)
+        super().__init__(briefing, explorer, pilot, recorder.weights, recorder.late_cost)
         self._recorder = recorder
 
     def pick(self, view: View, situation: Situation) -> bool:
         """Return the drawn choice."""
-        odds = max(-MOST, min(MOST, value(situation, self._recorder.weights)))
+        clear = self._recorder.clear
+        odds = max(-clear, min(clear, value(situation, self._recorder.weights)))
         probability = 1.0 / (1.0 + math.exp(-odds))
         home = bool(self._recorder.rng.random() < probability)
         choice = Choice(situation, view.step, self.navigator.known, probability, home)
@@ -136,13 +138,23 @@ def task(maps: TrainingMaps, rng: np.random.Generator) -> tuple[Floorplan, dict[
     return plan, {"lidar.range": reach, "team": team, "budget": int(length * free / reach / team), **base, **radio}
 
 
-def fly(maps: TrainingMaps, explorer: str, weights: NetworkWeights, seed: int) -> Choices:
-    """Return the choices of a flight: its map, lidar, team, radio and deadline are drawn by a seed."""
+def draw_late_cost(rng: np.random.Generator) -> float:
+    """Return how much the deadline matters in a flight."""
+    drawn = math.exp(rng.uniform(math.log(LOWEST_LATE_COST), math.log(HIGHEST_LATE_COST)))
+    return 0.0 if rng.random() < NO_LATE_COST else drawn
+
+
+def fly(maps: TrainingMaps, explorer: str, weights: NetworkWeights, clear: float, seed: int) -> Choices:
+    """Return the choices of a flight: its map, lidar, team, radio, deadline and late cost are drawn by a seed.
+
+    Values beyond ``clear``, either way, are drawn like ``clear``, so that each choice is tried.
+    """
     rng = np.random.default_rng([seed, STREAM])
     plan, settings = task(maps, rng)
     world = World(on_files(("map",), None).with_settings(settings).for_evaluation())
     world.begin(0, seed, floorplan=plan)
-    recorder = _Recorder(explorer=explorer, weights=weights, rng=rng, choices={})
+    late_cost = draw_late_cost(rng)
+    recorder = _Recorder(explorer=explorer, weights=weights, late_cost=late_cost, clear=clear, rng=rng, choices={})
     covered = [(world.base_coverage[0], world.team_coverage[0])]
     for _ in rollout(world, ask_pilots(recorder, make_pilots(recorder, world), world)):
         covered.append((world.base_coverage[0], world.team_coverage[0]))
@@ -151,18 +163,27 @@ def fly(maps: TrainingMaps, explorer: str, weights: NetworkWeights, seed: int) -
     coverage, total = np.array(covered), int(world.state.total[0])
     uavs: Sequence[list[Choice]] = [*recorder.choices.values()] or [[]]
     reach, base = settings["lidar.range"], coverage[:, 0]
-    whole = joined([as_arrays(each, coverage, total, world.scenario.team, reach) for each in uavs])
+    team = world.scenario.team
+    whole = joined([as_arrays(each, coverage, late_cost, total, team, reach) for each in uavs])
     return whole._replace(results=np.array([[base[1:].mean(), base[-1] >= ENOUGH]]))
 
 
-def late_cost(coverage: float) -> float:
-    """Return the points that it costs if the base has a ``coverage`` at the deadline."""
+def points_lost(coverage: float, late_cost: float) -> float:
+    """Return the points that it costs if the base has a ``coverage`` at the deadline.
+
+    Half of ``late_cost`` is lost as soon as it is less than ``ENOUGH``, and half in proportion to what is missing.
+    """
     missing = max(0.0, ENOUGH - coverage)
-    return TOO_LATE / 2.0 * (float(missing > 0.0) + min(1.0, missing / MISSING))
+    return late_cost / 2.0 * (float(missing > 0.0) + min(1.0, missing / MISSING))
 
 
 def as_arrays(
-    choices: Sequence[Choice], coverage: NDArray[np.float64], total: int, team: int, lidar_range: float
+    choices: Sequence[Choice],
+    coverage: NDArray[np.float64],
+    late_cost: float,
+    total: int,
+    team: int,
+    lidar_range: float,
 ) -> Choices:
     """Return the C choices of one UAV, without results.
 
@@ -173,7 +194,7 @@ def as_arrays(
     steps = np.array([*(choice.step for choice in choices), budget])
     unknown = np.concatenate([[0.0], np.cumsum(1.0 - base[1:])]) / budget * POINTS
     rewards = -np.diff(unknown[steps])
-    rewards[-1:] -= late_cost(base[-1])
+    rewards[-1:] -= points_lost(base[-1], late_cost)
     known = np.array([choice.known for choice in choices], np.int64)
     at = coverage[steps[:-1]]
     rate = (1.0 - at[:, 1]) * total / np.maximum(1, budget - steps[:-1]) / team / lidar_range

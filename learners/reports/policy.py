@@ -11,7 +11,7 @@ from indoor_explorers.env.policies.registry import make_policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.provenance import joined, record_of, recorded_maps
 from indoor_explorers.learners.reports.network import NetworkWeights, load_weights, value
-from indoor_explorers.learners.reports.situation import Situation, SituationObserver
+from indoor_explorers.learners.reports.situation import HIGHEST_LATE_COST, LATE_COST, Situation, SituationObserver
 from indoor_explorers.learners.sessions.record import digest_of
 from indoor_explorers.planners.toolbox.explorers import ExploringWith
 from indoor_explorers.planners.toolbox.networks.weights_file import weights_path
@@ -29,10 +29,16 @@ class ReportsPilot(ReportingPilot):
     """Choose once in a lidar range of flight whether to fly home."""
 
     def __init__(
-        self, briefing: Briefing, explorer: Policy, pilot: Pilot, weights: NetworkWeights, pockets: Path = POCKETS
+        self,
+        briefing: Briefing,
+        explorer: Policy,
+        pilot: Pilot,
+        weights: NetworkWeights,
+        late_cost: float = LATE_COST,
+        pockets: Path = POCKETS,
     ) -> None:
         super().__init__(briefing, explorer, pilot)
-        self._weights, self._observer = weights, SituationObserver(self, pockets)
+        self._weights, self._observer = weights, SituationObserver(self, late_cost, pockets)
         self._period, self._next = max(1, int(briefing.lidar_range)), 0
 
     def act(self, view: View) -> int:
@@ -58,7 +64,7 @@ class ReportsPilot(ReportingPilot):
 class DddqnReports(EstimateUser, ExploringWith):
     """Explore as another policy does, and report to a home base when a dueling network values it.
 
-    Once in a lidar range of flight the network compares flying home with exploring on, from 24 numbers about what is
+    Once in a lidar range of flight the network compares flying home with exploring on, from 25 numbers about what is
     known, unreported, expected and left of the time (:mod:`indoor_explorers.learners.reports.situation`). Of UAVs in
     contact only the one nearest to the base flies home, and all are there before the deadline
     (:mod:`indoor_explorers.planners.toolbox.reporting`). Where there is no base, UAVs fly as the explorer.
@@ -70,6 +76,7 @@ class DddqnReports(EstimateUser, ExploringWith):
 
     Raises:
         InputError: ``weights`` is missing or not a file of this network.
+        ValueError: ``late_cost`` is not between 0 and 60.
 
     """
 
@@ -79,9 +86,13 @@ class DddqnReports(EstimateUser, ExploringWith):
     """Registry name of the policy that explores."""
     weights: str | None = None
     """Path of a training's folder or weights; None: the shipped ones."""
+    late_cost: float = LATE_COST
+    """Points that it costs if the base knows under 99 % at the deadline, of the 100 that its mean coverage is worth."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if not 0.0 <= self.late_cost <= HIGHEST_LATE_COST:
+            raise ValueError(f"late_cost must be between 0 and {HIGHEST_LATE_COST:g}, got {self.late_cost!r}")
         load_weights(self.path)
 
     @property
@@ -92,7 +103,8 @@ class DddqnReports(EstimateUser, ExploringWith):
     def pilot(self, briefing: Briefing) -> ReportsPilot:
         """Make the pilot of one UAV for one episode."""
         explorer = make_policy(self.explorer)
-        return ReportsPilot(briefing, explorer, explorer.pilot(briefing), load_weights(self.path), self.pocket_path)
+        weights, explores = load_weights(self.path), explorer.pilot(briefing)
+        return ReportsPilot(briefing, explorer, explores, weights, self.late_cost, self.pocket_path)
 
     def provenance(self) -> dict[str, str]:
         """Return the hashes of the network's weights and of those of the estimates, and what the explorer declares."""

@@ -22,13 +22,15 @@ from indoor_explorers.planners.toolbox.pockets.estimates import PocketEstimator
 from indoor_explorers.planners.toolbox.reporting import ADDED, ReportingPilot, home_of
 
 #: Numbers of a situation.
-NUMBERS = 24
+NUMBERS = 25
 #: Unknown free cells that are expected besides those behind clusters, as a share of the known ones.
 BESIDE = 0.01
 #: Ratio of waiting to cost at which the rule that the training begins with is undecided: see :attr:`Situation.rule`.
 UNDECIDED = 0.5
 #: Largest value of the rule, either way.
 CLEAR = 3.0
+#: Points that it costs by default if the base knows under 99 % at the deadline, and the most: see :mod:`.flights`.
+LATE_COST, HIGHEST_LATE_COST = 15.0, 60.0
 #: Lidar ranges of flight over which the recent rate of discovery is taken.
 RECENT = 5
 
@@ -48,12 +50,13 @@ class SituationObserver:
 
     Args:
         pilot: The pilot that chooses.
+        late_cost: Points that it costs if the base knows under 99 % at the deadline.
         pocket_weights: File of the estimates' weights.
 
     """
 
-    def __init__(self, pilot: ReportingPilot, pocket_weights: Path = POCKETS) -> None:
-        self._pilot = pilot
+    def __init__(self, pilot: ReportingPilot, late_cost: float = LATE_COST, pocket_weights: Path = POCKETS) -> None:
+        self._pilot, self._late_cost = pilot, late_cost
         self._range = float(pilot.briefing.lidar_range)
         one_level = pilot.briefing.levels.number == 1  # the estimates know no levels
         self._estimator = PocketEstimator(self._range, path=pocket_weights) if one_level else None
@@ -99,6 +102,7 @@ class SituationObserver:
             min(int(from_home.max(initial=0)) / reach, 20.0) / 10.0,
             reach / 10.0,
             left * team * reach / free / 10.0,
+            self._late_cost / HIGHEST_LATE_COST,
         )
         return Situation(np.array(numbers, np.float32), max(-CLEAR, min(CLEAR, ratio - log(UNDECIDED))))
 

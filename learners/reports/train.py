@@ -46,6 +46,10 @@ class TrainingConfig(RoundSettings):
     """Flights in one round."""
     explorer: str = "frontier-predictive"
     """Registry name of the policy that explores."""
+    clear: float = Field(3.5, gt=0)
+    """Largest value by which choices are drawn in the first round: see :func:`~.flights.fly`, and"""
+    clearer: float = Field(1.0, ge=0)
+    """by how much it grows in each later round, so that choices are less and less random."""
 
     @field_validator("explorer")
     @classmethod
@@ -54,9 +58,11 @@ class TrainingConfig(RoundSettings):
         return explorer
 
 
-def fly_seeds(maps: TrainingMaps, explorer: str, weights: NetworkWeights, path: Path, seeds: range) -> None:
+def fly_seeds(
+    maps: TrainingMaps, explorer: str, weights: NetworkWeights, clear: float, path: Path, seeds: range
+) -> None:
     """Fly a network, a flight for each seed, and write the choices to a file."""
-    write_choices(path, joined([fly(maps, explorer, weights, seed) for seed in seeds]))
+    write_choices(path, joined([fly(maps, explorer, weights, clear, seed) for seed in seeds]))
 
 
 class ReportsTraining(RoundsTraining[TrainingConfig, NetworkWeights]):
@@ -71,7 +77,8 @@ class ReportsTraining(RoundsTraining[TrainingConfig, NetworkWeights]):
 
     def flying(self) -> Callable[[Path, range], None]:
         """Return the function that flies the latest network."""
-        return partial(fly_seeds, self.maps, self.config.explorer, self.networks[-1])
+        clear = self.config.clear + self.rounds * self.config.clearer
+        return partial(fly_seeds, self.maps, self.config.explorer, self.networks[-1], clear)
 
     def learned(self, paths: Sequence[Path]) -> tuple[NetworkWeights, dict[str, int | float]]:
         """Return the next network, and figures of the round."""

@@ -38,7 +38,7 @@ OUTPUTS = {
     "thesis-obstacles-map": "f92959ac57855a97",
     "places": "a6402e53dd6a5afe",
     "pockets": "88392fe87dae3ed7",
-    "reports": "c100c0f2527280a7",
+    "reports": "e7dd1a637d04fcf0",
     "rewards-1-stuck-2": "5f8c4e4d9b3bce7b",
 }
 #: Policy, its parameters, scenario, and the digest of the cells of a short flight.

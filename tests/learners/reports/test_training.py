@@ -10,7 +10,6 @@ from indoor_explorers.learners.pockets.maps import TrainingMaps
 from indoor_explorers.learners.reports import flights
 from indoor_explorers.learners.reports.flights import (
     POINTS,
-    TOO_LATE,
     TRUE,
     Choice,
     Choices,
@@ -51,16 +50,16 @@ def test_rewards_add_up_to_what_the_base_did_not_know_and_what_was_too_late(last
     base = np.concatenate([np.linspace(0.1, 0.6, 10), [last]])
     coverage = np.column_stack([base, np.maximum(base, 0.7)])
     choices = [Choice(SITUATION, step, 10 * step, 0.3, step == 4) for step in (2, 4, 9)]
-    arrays = as_arrays(choices, coverage, total=1000, team=2, lidar_range=5.0)
+    arrays = as_arrays(choices, coverage, late_cost=20.0, total=1000, team=2, lidar_range=5.0)
     unknown = POINTS * (1.0 - base[3:]).sum() / 10
-    assert arrays.rewards.sum() == pytest.approx(-unknown - penalty * TOO_LATE, rel=1e-5)
+    assert arrays.rewards.sum() == pytest.approx(-unknown - penalty * 20.0, rel=1e-5)
     assert arrays.durations.tolist() == pytest.approx([0.4, 1.0, 0.2])
     assert arrays.home.tolist() == [False, True, False]
     assert arrays.lengths.tolist() == [3]
 
 
 def test_a_flight_without_choices_is_kept():
-    nothing = as_arrays([], np.ones((11, 2)), 10, 1, 5.0)._replace(results=np.array([[1.0, 1.0]]))
+    nothing = as_arrays([], np.ones((11, 2)), 15.0, 10, 1, 5.0)._replace(results=np.array([[1.0, 1.0]]))
     some = random_choices(8)
     whole = joined([nothing, some])
     assert whole.lengths.tolist() == [0, 4, 4]
@@ -100,7 +99,7 @@ def test_values_predict_the_half_that_they_have_not_seen():
 
 def test_a_flight_is_the_same_again_and_survives_its_file(tmp_path):
     network = AdvantageNet().weights()
-    first, second = (fly(TrainingMaps(), "frontier-nearest", network, 5) for _ in range(2))
+    first, second = (fly(TrainingMaps(), "frontier-nearest", network, 3.5, 5) for _ in range(2))
     for one, other in zip(first, second, strict=True):
         assert np.array_equal(one, other)
     assert len(first.home) == first.lengths.sum() > 0
