@@ -40,6 +40,7 @@ def test_its_maps_can_be_looked_at(folder, capsys):
     assert "halls:Pillars: 64 x 64 cells" in printed
 
 
+@pytest.mark.slow
 def test_all_of_them_are_flown_and_shown(folder, capsys):
     assert typed("compare") == 0, capsys.readouterr().err
     assert ",TURNS," in (folder / "results" / "halls" / "summary.csv").read_text()

@@ -2,7 +2,9 @@
 
 import tomllib
 from collections.abc import Sequence
+from itertools import product
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -26,3 +28,15 @@ def parametrized(names: Sequence[str], slow: Sequence[str] = ()) -> pytest.MarkD
     slow = [*slow, *EXHAUSTIVE]
     groups = {name: (pytest.mark.xdist_group(name), *[pytest.mark.slow] * (name in slow)) for name in names}
     return pytest.mark.parametrize("name", [pytest.param(name, marks=marks) for name, marks in groups.items()])
+
+
+def with_rows(names: Sequence[str], rows: Sequence[dict[str, Any]], slow: Sequence[str]) -> pytest.MarkDecorator:
+    """Return a mark that runs a test for each ``name`` and ``row``; each policy is slow with two of three rows.
+
+    Which rows are not slow changes from policy to policy, so that `make test` flies all of both.
+    """
+    slow, found = [*slow, *EXHAUSTIVE], []
+    for (number, name), (k, row) in product(enumerate(names), enumerate(rows)):
+        marks = [pytest.mark.xdist_group(name), *[pytest.mark.slow] * (name in slow or (number + k) % 3 > 0)]
+        found.append(pytest.param(name, row, marks=marks, id="-".join([*map(str, row.values()), name])))
+    return pytest.mark.parametrize(("name", "row"), found)

@@ -1,6 +1,7 @@
 """Every policy that this project registers, now or later: it explores everything, wastes no steps, and plays fair.
 
-Any two settings are flown together here; `make test-all` flies more combinations, and `make soak` all of them.
+Any two settings are flown together here, by some policies in `make test` and by all in `make test-all`; `make soak`
+flies all combinations.
 """
 
 from __future__ import annotations
@@ -21,9 +22,10 @@ from indoor_explorers.evaluation.harness.episodes.record import Outcome, Record
 from indoor_explorers.evaluation.harness.episodes.runner import fly
 from indoor_explorers.evaluation.harness.experiment.experiment import Task
 from tests.behaviour.episodes import LOST_UAV, MOST_DITHER, Case, FailureCase, longest_dither, violations
-from tests.behaviour.policies import EXPLORERS, POLICIES, UNRELIABLE, parametrized
+from tests.behaviour.policies import EXPLORERS, POLICIES, UNRELIABLE, parametrized, with_rows
 from tests.behaviour.worlds import RADIOS, covering_array, small_maps
 from tests.env.conformance.policies import MOST_CHECKS, passed_checks
+from tests.marks import slow
 from tests.planners import flights
 
 ROWS = covering_array()
@@ -47,12 +49,14 @@ SLOW_CONFORMANCE = [
     "attention-sac",
     "pomdp",
     "bat",
+    "gso",
+    "level-by-level",
     *AS_FRONTIER,
     *BY_ESTIMATES,
 ]
 #: Those that fly the failure modes apart, as `make test` does not fly them through the conformance suite; those whose
 #: decisions take longest, and others with other radios, do so in `make test-all`.
-FAILURE_MODES_APART = ("rrt-nbv", "frontier-predictive", "tours", "dddqn-places", "attention-sac", "pomdp", "bat")
+FAILURE_MODES_APART = ("rrt-nbv", "tours", "dddqn-places", "bat")
 #: The policies that fly the office and a real map in `make test`: one of each family; `make test-all` flies the others.
 OFFICE = ("frontier-nearest", "frontier-predictive", "pso", "dddqn")
 some_explorers = parametrized(EXPLORERS, slow=[name for name in EXPLORERS if name not in OFFICE])
@@ -77,8 +81,7 @@ def test_it_passes_the_conformance_suite(name):
     assert name in UNRELIABLE or found["failure modes"].startswith("all 9 finished")
 
 
-@parametrized(EXPLORERS, slow=["prm-tour", "cover-tour", *AS_FRONTIER, *BY_ESTIMATES])
-@pytest.mark.parametrize("row", ROWS, ids=lambda row: "-".join(map(str, list(row.values())[1:])))
+@with_rows(EXPLORERS, ROWS, slow=["prm-tour", "cover-tour", "pomdp", *AS_FRONTIER, *BY_ESTIMATES])
 def test_it_explores_all_with_any_team_radio_and_lidar(name: str, row: dict[str, Any], map_files: Path) -> None:
     settings = {
         **RADIOS[row["radio"]],
@@ -92,7 +95,7 @@ def test_it_explores_all_with_any_team_radio_and_lidar(name: str, row: dict[str,
 
 
 @every_explorer
-@pytest.mark.parametrize("world", ["room", "corridors", "plus"])
+@pytest.mark.parametrize("world", ["room", *slow("corridors", "plus")])
 def test_the_others_go_on_without_a_lost_uav(name: str, world: str, map_files: Path) -> None:
     settings = {**RADIOS["disc"], "spawn": "clustered", "on_collision": "end"}
     case = Case.on(world, map_files, f"{LOST_UAV}:{name}", 3, settings, seed=4)
@@ -100,14 +103,14 @@ def test_the_others_go_on_without_a_lost_uav(name: str, world: str, map_files: P
 
 
 @parametrized(EXPLORERS, slow=[name for name in EXPLORERS if name not in FAILURE_MODES_APART])
-@pytest.mark.parametrize("radio", ["none", pytest.param("disc", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("radio", ["none", *slow("disc")])
 def test_it_finishes_the_failure_modes_that_users_report(name: str, radio: str) -> None:
     cases = [FailureCase(name, mode.name, radio, seed=12) for mode in FAILURE_MODES]
     assert {case.command(): case.problems() for case in cases} == {case.command(): [] for case in cases}
 
 
 @every_explorer
-@pytest.mark.parametrize("radio", ["none", "square", "disc", "unlimited"])
+@pytest.mark.parametrize("radio", ["none", "disc", *slow("square", "unlimited")])
 def test_two_lost_uavs_stall_nobody(name: str, radio: str) -> None:
     kind, reach = RADIOS[radio]["radio.model"], float(RADIOS[radio].get("radio.range", 0))
     free = flights.maze(5, 5, 4)
@@ -128,7 +131,7 @@ def test_it_completes_the_office(name: str) -> None:
 
 @some_explorers
 @pytest.mark.skipif(not REAL_MAP.exists(), reason="the development maps (../shared/maps) are not here")
-@pytest.mark.parametrize("team", [pytest.param(1, marks=pytest.mark.slow), 3])
+@pytest.mark.parametrize("team", [*slow(1), 3])
 def test_it_completes_a_real_map(name: str, team: int) -> None:
     scenario = Scenario(
         name="flat",

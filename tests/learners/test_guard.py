@@ -60,6 +60,7 @@ def test_an_untrained_network_finishes_mazes(untrained: str, seed: int, lidar: f
     assert world.team_coverage[0] == 1.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mask", [True, False])
 @pytest.mark.parametrize("seed", range(3))
 def test_a_network_that_flies_into_walls_finishes_mazes_with_the_guard(mask: bool, seed: int, tmp_path: Path) -> None:

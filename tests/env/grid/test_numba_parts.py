@@ -9,6 +9,7 @@ import pytest
 from indoor_explorers.env.grid.compiled import QUIET
 from indoor_explorers.env.grid.numba_parts import MISSING
 from tests.env.grid.test_compiled import CODE, run
+from tests.marks import slow
 
 ROOT = Path(__file__).parents[3]
 #: What a new numba may do, before this project is imported.
@@ -27,7 +28,7 @@ def test_the_installed_numba_has_all_parts():
     assert MISSING == ""
 
 
-@pytest.mark.parametrize("change", ["renamed", pytest.param("arguments", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("change", ["renamed", *slow("arguments")])
 def test_a_change_of_numba_slows_and_breaks_nothing(change, tmp_path):
     code = CHANGES[change] + textwrap.dedent(CODE)
     for _ in range(2):

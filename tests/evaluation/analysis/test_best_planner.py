@@ -164,6 +164,7 @@ def test_its_table_has_learners_first_and_says_what_is_shown(learned: Results) -
     assert shades == [[3, 0, -3, 0, 3], [-3, 0, 0, -3, 3]]
 
 
+@pytest.mark.slow
 def test_it_is_on_the_page_and_in_files(learned: Results, tmp_path: Path) -> None:
     assert '<section id="best-planner">' in render(learned, replays=0)
     write_exports(learned, tmp_path)

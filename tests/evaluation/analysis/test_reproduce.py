@@ -37,6 +37,7 @@ def rows(table, scenario, policy):
     return mine.reset_index(drop=True)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("scenario", "policy"),
     [

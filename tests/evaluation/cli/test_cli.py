@@ -104,6 +104,7 @@ def test_compare_writes_what_the_contract_says(figures, capsys, tmp_path):
     assert (out / "report.html").read_text().startswith("<!doctype html>")
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("always::FutureWarning")
 def test_an_old_name_of_a_parameter_is_told_once_and_stored_as_the_new_one(capsys, tmp_path):
     named = ["--policies", "frontier-burgard(hold=2)", "--scenario", "thesis-open", "--episodes", "4"]
@@ -419,6 +420,7 @@ def test_commas_in_parentheses_separate_no_names():
     ]
 
 
+@pytest.mark.slow
 def test_the_demo_compares_and_films(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(demo, "EPISODES", 2)
     status, out, _ = run(capsys, "demo", "--out", tmp_path / "demo")

@@ -83,6 +83,7 @@ def test_equal_results_give_equal_bytes(folders, written, tmp_path):
         assert path.read_bytes() == (again / path.name).read_bytes(), path.name
 
 
+@pytest.mark.slow
 def test_the_command_writes_what_make_asks_for(folders, tmp_path):
     words = [sys.executable, "-P", "-m", dataset.__name__, folders[1], "--out", tmp_path / "one"]
     done = subprocess.run(words, capture_output=True, text=True, timeout=60)

@@ -35,6 +35,7 @@ def test_each_scenario_is_in_a_file_beside_a_large_page(results: Results, split:
         assert body in whole
 
 
+@pytest.mark.slow
 def test_files_of_an_earlier_page_do_not_stay(results: Results, split: Path) -> None:
     write_report(results, split, replays=0)
     assert len(list(split.parent.glob("a #1_files/*"))) == len(results.scenarios)

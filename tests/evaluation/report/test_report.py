@@ -39,6 +39,7 @@ def test_no_chart_offers_to_upload_itself(page: Page) -> None:
     assert "showSendToCloud: false" in config[1]
 
 
+@pytest.mark.slow
 def test_equal_results_give_equal_bytes(results: Results, tmp_path: Path) -> None:
     write_report(results, tmp_path / "new" / "a.html")
     again = Results(results.policies, results.scenarios, results.runs, list(results.records))
@@ -86,6 +87,7 @@ def test_results_without_episodes_still_make_a_page(results: Results, tmp_path: 
     assert "no scenario" in render(Results({}, {}, [], []))
 
 
+@pytest.mark.slow
 def test_a_big_map_makes_no_big_page(tmp_path: Path) -> None:
     hall = Scenario(
         name="hall",

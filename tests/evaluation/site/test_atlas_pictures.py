@@ -3,6 +3,7 @@
 import re
 
 import pandas as pd
+import pytest
 
 from indoor_explorers.env.scenarios.suites.catalogue import suite_of
 from indoor_explorers.evaluation.analysis.best_planner import BEST
@@ -75,6 +76,7 @@ def test_a_part_has_one_ratio_for_each_time_and_task_and_over_all():
         assert sorted(found) == sorted((task, time) for task in tasks for time in ("t90", "t99"))
 
 
+@pytest.mark.slow
 def test_the_pictures_show_the_tasks_and_are_the_same_each_time():
     drawn = atlas_pictures()
     assert set(re.findall(r"gallery/(atlas-[a-z.]+)", PAGE)) == set(drawn)

@@ -5,6 +5,8 @@ import re
 import subprocess
 import sys
 
+import pytest
+
 from indoor_explorers.evaluation.site.notebook import CELLS, NOTEBOOK, is_code, notebook
 
 STORED = json.loads(NOTEBOOK.read_text("utf-8"))
@@ -42,6 +44,7 @@ def test_it_has_what_jupyter_demands_of_version_4_5():
     assert [cell["execution_count"] for cell in STORED["cells"] if "outputs" in cell] == [1, 2, 3, 4, 5]
 
 
+@pytest.mark.slow
 def test_its_cells_print_what_it_stores_and_the_replay_is_there(tmp_path):
     done = subprocess.run([sys.executable, "-P", "-c", RUN], cwd=tmp_path, capture_output=True, text=True, timeout=120)
     assert done.returncode == 0, done.stderr

@@ -33,17 +33,18 @@ def shorter(monkeypatch):
     ("draw", "start", "documents"),
     [
         (dynamics_pictures, "dynamics-", [f"{PAGES}/guides/dynamics.md"]),
-        (
+        pytest.param(
             learner_pictures,
             "learner-",
             [f"learners/{name}.md" for name in ("DDDQN", "places/PLACES", "pockets/POCKETS")],
+            marks=pytest.mark.slow,
         ),
         (map_pictures, "maps-", [f"{PAGES}/scenarios.md"]),
-        (planner_pictures, "planner-", ["planners/PLANNERS.md"]),
+        pytest.param(planner_pictures, "planner-", ["planners/PLANNERS.md"], marks=pytest.mark.slow),
         (radio_pictures, "radio-", [f"{PAGES}/methods-radio.md"]),
         (sensor_errors.sensor_error_pictures, "errors-", [f"{PAGES}/harder-tasks.md"]),
-        (statistics_pictures, "statistics-", ["evaluation/STATISTICS.md"]),
-        (tabular_pictures, "tabular-", [f"{PAGES}/guides/tabular.md"]),
+        pytest.param(statistics_pictures, "statistics-", ["evaluation/STATISTICS.md"], marks=pytest.mark.slow),
+        pytest.param(tabular_pictures, "tabular-", [f"{PAGES}/guides/tabular.md"], marks=pytest.mark.slow),
         (thesis_changes_pictures, "changed-", ["learners/THESIS.md"]),
         pytest.param(thesis_pictures, "thesis-", ["learners/THESIS.md"], marks=pytest.mark.slow),
     ],

@@ -27,6 +27,7 @@ def in_test_rooms(obstacles, state, table):
     return steps, lasts
 
 
+@pytest.mark.slow
 def test_a_fixed_table_can_repeat_two_states():
     table, steps = training(0, "near", "Q-learning", 3)
     tests, lasts = in_test_rooms(0, "near", table)
@@ -43,6 +44,7 @@ def test_trainings_differ(learner):
     assert re.search(rf"{found[0]}, {found[1]} and {found[2]} (steps )?by {learner}", TEXT)
 
 
+@pytest.mark.slow
 def test_the_training_on_all_that_is_known_made_the_steps_that_the_page_counts():
     table, steps = training(2, "whole", "Q-learning", 1)
     assert f"made {sum(steps):,} steps and saw {len(table):,} states" in TEXT

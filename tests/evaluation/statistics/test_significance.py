@@ -11,6 +11,7 @@ from indoor_explorers.evaluation.statistics import (
     sign_flip_test,
     smallest_detectable_difference,
 )
+from tests.marks import slow
 
 
 @pytest.mark.parametrize(
@@ -110,7 +111,7 @@ def test_what_is_no_p_value_is_refused(p):
         holm(p)
 
 
-@pytest.mark.parametrize("count", [8, 20])
+@pytest.mark.parametrize("count", [8, *slow(20)])
 def test_a_family_invents_a_difference_at_most_5_times_in_100(count):
     rng = np.random.default_rng(count)
     invented, runs = 0, 400

@@ -44,6 +44,7 @@ def test_the_recipe_of_weights_that_do_not_ship_goes_through(tmp_path: Path) -> 
     assert (tmp_path / "weights.safetensors").exists()
 
 
+@pytest.mark.slow
 def test_a_preset_is_trained_with_what_is_set(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["train", "--preset", "thesis-open-map", "--set", *TINY, "--out", str(tmp_path)]) == 0
     record = json.loads((tmp_path / "training.json").read_text())

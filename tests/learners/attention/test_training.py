@@ -172,6 +172,7 @@ def test_the_trainings_that_ship_are_those_of_their_records() -> None:
         AttentionSac(training=4)
 
 
+@pytest.mark.slow
 def test_it_passes_the_conformance_suite(weights: Path, tmp_path: Path) -> None:
     passed_checks(AttentionSac(weights=str(weights)))
     with pytest.raises(InputError, match="expected a safetensors file, found none"):

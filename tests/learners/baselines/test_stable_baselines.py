@@ -115,6 +115,7 @@ def test_the_policy_passes_the_conformance_suite(trained: dict[str, Path]) -> No
     assert len(pickle.dumps(policy)) < 1000
 
 
+@pytest.mark.slow
 def test_only_with_the_mask_are_all_moves_legal(trained: dict[str, Path]) -> None:
     rng, illegal = np.random.default_rng(0), {True: 0, False: 0}
     world = World(small_room(4).with_settings({"on_collision": "block"}), 20)

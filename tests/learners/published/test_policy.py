@@ -94,6 +94,7 @@ def test_another_folder_is_refused_in_one_line(kind: str, tmp_path: Path) -> Non
         assert policy.NETWORK.code.commit in str(refused.value)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", POLICIES)
 def test_random_weights_explore_all_in_a_team(kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Two UAVs with a short radio know every reachable cell at the end, by the guard where the network goes nowhere."""

@@ -119,6 +119,7 @@ def test_tasks_have_a_base_and_a_deadline():
         assert settings["base.must_return"]
 
 
+@pytest.mark.slow
 def test_a_training_resumed_after_a_round_gives_the_same_weights(tmp_path):
     config = TrainingConfig(rounds=2, flights=4, workers=1, explorer="frontier-nearest")
     whole = load_weights(train(config, None, tmp_path / "whole", seed=3))

@@ -26,6 +26,7 @@ def test_without_drift_it_is_the_explorer(explorer, settings):
     assert np.array_equal(flown(LoopClosing(explorer=explorer), 3, **settings)[2], alone)
 
 
+@pytest.mark.slow
 def test_it_shows_more_rightly_than_its_explorer():
     explorer, found = [], []
     for seed in range(9_700_002, 9_700_030, 9):

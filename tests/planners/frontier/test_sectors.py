@@ -27,6 +27,7 @@ def test_teammates_that_are_heard_have_no_sectors(kind):
     assert np.array_equal(cells_of(kind(sector=3.0), "unlimited"), cells_of(kind(), "unlimited"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", [FrontierLatency, DddqnPlaces])
 def test_sectors_part_the_uavs_without_a_radio(kind):
     def covered(policy):

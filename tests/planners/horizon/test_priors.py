@@ -3,6 +3,7 @@ from __future__ import annotations
 from itertools import product
 
 import numpy as np
+import pytest
 
 from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
@@ -19,6 +20,7 @@ def covered(source: ThesisMaps, tops: tuple[tuple[int, int], ...]) -> np.ndarray
     return room
 
 
+@pytest.mark.slow
 def test_chances_are_those_of_all_rooms_that_agree_with_the_belief() -> None:
     source = ThesisMaps(height=6, width=7, obstacles=2, obstacle_size=(2, 2))
     belief = np.full((6, 7), UNKNOWN, np.uint8)

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from indoor_explorers.env import make_policy, scenario
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
@@ -30,6 +31,7 @@ def setup_of(belief: np.ndarray, lidar_range: float) -> tuple[RolloutSetup, Opti
     return RolloutSetup(belief, chances, optimistic.views, optimistic.neighbours, around(belief.shape, 2)), optimistic
 
 
+@pytest.mark.slow
 def test_the_quick_policy_sees_all_of_a_corridor_without_detours() -> None:
     setup, _ = setup_of(corridor(3), 2.0)
     rooms = np.full((1, 10), FREE, np.uint8)
@@ -82,6 +84,7 @@ def test_rollouts_leave_a_tour_for_a_better_one_only() -> None:
     assert selection.best(belief, 3, optimistic, setup.chances, [back, ahead]) == 1
 
 
+@pytest.mark.slow
 def test_flights_with_rollouts_complete_and_repeat() -> None:
     task = scenario("thesis-obstacles").for_evaluation()
     tasks = [Task(task.name, 0, seed) for seed in (1, 7)]

@@ -50,6 +50,7 @@ def runs(pid: int) -> bool:
         return False
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("team", [1, 2])
 def test_it_explores_all_by_the_nodes_of_the_planner_and_then_by_frontiers(clone: Path, team: int) -> None:
     scenario = ROOM.model_copy(update={"team": team})
@@ -91,7 +92,11 @@ def test_the_goals_are_nodes_and_the_first_one_is_where_the_uav_starts(clone: Pa
 
 
 @pytest.mark.parametrize(
-    ("ending", "told"), [("exit", "ended with exit code 3"), ("hang", "gave no answer within 2 s")]
+    ("ending", "told"),
+    [
+        ("exit", "ended with exit code 3"),
+        pytest.param("hang", "gave no answer within 2 s", marks=pytest.mark.slow),
+    ],
 )
 def test_a_process_that_fails_costs_its_own_episode(clone: Path, ending: str, told: str) -> None:
     (clone / f"{ending}.once").touch()

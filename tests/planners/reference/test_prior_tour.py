@@ -169,5 +169,6 @@ def test_what_is_known_and_what_others_will_see_is_not_planned_for() -> None:
     assert len(rest) < len(whole[0])
 
 
+@pytest.mark.slow
 def test_it_knows_nothing_but_its_prior() -> None:
     passed_checks(QUICK)

@@ -30,6 +30,7 @@ def episode(name: str, seed: int) -> str:
     return hashlib.sha256(repr(flight.actions).encode()).hexdigest()
 
 
+@pytest.mark.slow
 def test_episodes_do_not_depend_on_process_or_order() -> None:
     here = [episode(*job) for job in JOBS]
     done = subprocess.run([sys.executable, "-c", EPISODES], capture_output=True, text=True, check=True)

@@ -99,6 +99,7 @@ def test_few_episodes_get_no_interval_anywhere() -> None:
     assert all("low" not in series and len(series["dots"]) == 2 for series in pareto["series"])
 
 
+@pytest.mark.slow
 def test_figures_for_print_are_those_with_content_and_deterministic(swept: Results, tmp_path: Path) -> None:
     few = {name: swept.scenarios[name] for name in ("solo", "deaf")}
     part = Results(swept.policies, few, [], [record for record in swept.records if record.task.scenario in few])

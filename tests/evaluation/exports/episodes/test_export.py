@@ -160,6 +160,7 @@ def test_an_episode_that_the_world_does_not_give_again_is_refused(results):
         list(moments(replace(record, cells=record.cells + 1), scenario))
 
 
+@pytest.mark.slow
 def test_without_rosbags_csv_is_written_and_bags_say_what_to_install(folder, tmp_path):
     code = f"""
 import sys

@@ -1,10 +1,13 @@
 """A comparison with a home base: what isolated policies are told of it, and what they declare."""
 
+import pytest
+
 from indoor_explorers.evaluation import compare
 from indoor_explorers.evaluation.harness.results.results import Results
 from indoor_explorers.evaluation.studies.leaderboard.verifying import mismatches
 
 
+@pytest.mark.slow
 def test_a_comparison_shows_the_base_and_isolated_policies_know_it(tmp_path):
     policies = ["frontier-nearest", "tests.evaluation.plugins:ToldOfTheBase"]
     settings = {"base.at": "start", "base.must_return": True, "on_collision": "block", "budget": 60}

@@ -32,6 +32,7 @@ from indoor_explorers.evaluation.harness.experiment.request import ComparisonReq
 from tests.evaluation.harness.engines.limits import PATIENT
 from tests.evaluation.harness.engines.test_supervisor import TEAM, facts, job, own
 from tests.evaluation.plugins import NotesItsEnd, Raises, Searches, Wander
+from tests.marks import slow
 
 #: Settings of a task in which every field of a view tells something.
 EVERY_FIELD = {
@@ -60,7 +61,7 @@ def supervisor(plugins_found):
         "frontier",
         "reference",
         "dddqn",
-        *(pytest.param(n, marks=pytest.mark.slow) for n in ("frontier-nearest", "pso")),
+        *slow("frontier-nearest", "pso"),
     ],
 )
 def test_isolated_policies_fly_the_same_episodes(name, supervisor):
@@ -109,6 +110,7 @@ def test_a_policy_that_cannot_be_made_fails_or_is_refused(supervisor):
         supervisor.fly(job("Wander", [0], pace=3))
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="other systems cannot end a process whatever it does")
 def test_the_process_of_a_policy_ends_with_its_worker_whatever_it_does(tmp_path, plugins_found):
     told = tmp_path / "pid"
@@ -138,6 +140,7 @@ def wait_until(condition):
         time.sleep(0.02)
 
 
+@pytest.mark.slow
 def test_a_worker_survives_the_process_of_its_policy(supervisor):
     supervisor.fly(own("random"))
     (worker,) = supervisor._workers
@@ -146,6 +149,7 @@ def test_a_worker_survives_the_process_of_its_policy(supervisor):
     assert supervisor._workers == [worker]
 
 
+@pytest.mark.slow
 def test_the_process_of_a_policy_waits_while_its_worker_flies_others(supervisor):
     supervisor.fly(job("Wander", [0]))
     supervisor.fly(own("random"))

@@ -15,6 +15,7 @@ from indoor_explorers.evaluation.harness.results.store import Store
 from indoor_explorers.evaluation.harness.results.written_rows import StoredFlight
 from tests.evaluation.harness.engines.limits import LIMITS, SECONDS
 from tests.evaluation.plugins import Raises
+from tests.marks import slow
 
 #: Rooms of another size than those of the conformance checks.
 ROOMS = {"map.width": 24, "map.height": 24, "budget": 80}
@@ -40,6 +41,7 @@ def plugin(name):
     return name, f"tests.evaluation.plugins:{name}"
 
 
+@pytest.mark.slow
 def test_plug_ins_are_checked_and_the_projects_own_policies_are_not():
     facts = checked(plugin("KnowsMap"), plugin("Wander"), ("own", "frontier"), ("yardstick", "reference"))
     assert "map of the seed: explores better on the map of its generator's seed" in facts["KnowsMap"]["failed_check"]
@@ -50,7 +52,7 @@ def test_plug_ins_are_checked_and_the_projects_own_policies_are_not():
 
 @pytest.mark.parametrize(
     "name",
-    ["Exits", *(pytest.param(name, marks=pytest.mark.slow) for name in ("Raises", "HangsForGood", "WrongAction"))],
+    ["Exits", *slow("Raises", "HangsForGood", "WrongAction")],
 )
 def test_a_plug_in_that_cannot_be_checked_is_left_unjudged(name, monkeypatch):
     monkeypatch.setattr(plugin_checks, "TIME_LIMIT", 1.0)
@@ -72,6 +74,7 @@ def test_a_plug_in_is_checked_once(monkeypatch):
     assert len(calls) == 2
 
 
+@pytest.mark.slow
 def test_a_comparison_marks_a_policy_that_knows_the_map_whatever_it_does_to_its_process(checks, tmp_path):
     policies = [plugin("ForgesItsCheck")[1], "random"]
     compare(tmp_path, policies=policies, scenario="thesis-open", episodes=2, workers=1)

@@ -8,7 +8,7 @@ from indoor_explorers.evaluation.harness.results.results import Results
 from indoor_explorers.evaluation.studies.leaderboard.verifying import mismatches
 
 
-@pytest.mark.parametrize(("isolate", "workers"), [("all", 1), ("none", 0)])
+@pytest.mark.parametrize(("isolate", "workers"), [pytest.param("all", 1, marks=pytest.mark.slow), ("none", 0)])
 def test_policies_in_any_process_are_given_the_prior_of_their_episode(tmp_path, isolate, workers):
     settings = {"prior.kind": "outdated", "budget": 20}
     use = "tests.evaluation.plugins:ToldOfThePrior"

@@ -83,7 +83,7 @@ OVERDUE = overdue_reason(SECONDS)
     ("policy", "reason"),
     [
         ("ReturnsNothing", "InputError: expected an int from 0 to 4, got the str 'up'"),
-        ("ExitsPython", "SystemExit: enough"),
+        pytest.param("ExitsPython", "SystemExit: enough", marks=SLOW),
         pytest.param("HangsInSleep", OVERDUE, marks=SLOW),
         pytest.param("HangsInPython", OVERDUE, marks=SLOW),
         pytest.param("HangsTogether", OVERDUE, marks=SLOW),
@@ -98,6 +98,7 @@ def test_a_policy_that_breaks_costs_only_its_own_episode(policy, reason, supervi
     check(supervisor.fly(job(policy)), honest, reason, steps=5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("way", "reason"),
     [
@@ -131,10 +132,12 @@ def test_a_slow_leak_of_a_whole_job_is_nobodys_fault(patient, honest):
     assert facts(records[0]) == facts(honest[0])
 
 
+@pytest.mark.slow
 def test_a_pilot_that_never_comes_about(supervisor, honest):
     check(supervisor.fly(job("HangsAtTheStart")), honest, OVERDUE, steps=0)
 
 
+@pytest.mark.slow
 def test_a_policy_that_dies_always_fails_always(supervisor):
     records = supervisor.fly(job("Dies", [1, 0]))
     assert [(record.outcome, record.steps) for record in records] == [(Outcome.FAILED, 0)] * 2
@@ -206,6 +209,7 @@ def test_closing_ends_a_flight_at_once():
     assert raised == ["the supervisor of these workers was closed"]
 
 
+@pytest.mark.slow
 def test_a_task_of_which_the_driver_has_an_episode_brings_no_map_and_the_known_bound(supervisor):
     plain = job("Exits")
     new, told = supervisor.fly(plain), supervisor.fly(plain._replace(bounds={task: 7 for task in plain.tasks[:2]}))
@@ -217,6 +221,7 @@ def test_a_task_of_which_the_driver_has_an_episode_brings_no_map_and_the_known_b
         assert record.flew_like(other)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("plugins_found")
 def test_the_steps_of_a_flight_are_forgotten_with_the_next_job():
     worker = WorkerHandle(Limits(None, LIMITS.memory))

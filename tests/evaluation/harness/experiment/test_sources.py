@@ -60,6 +60,7 @@ def first_actions(results):
     return {int(record.actions[0, 0]) for record in results.records}
 
 
+@pytest.mark.slow
 def test_an_edited_plug_in_is_not_taken_for_the_one_that_flew(plugin, tmp_path):
     assert first_actions(fly(plugin(0), tmp_path / "out")) == {0}
     use = plugin(2)

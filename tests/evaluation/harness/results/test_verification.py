@@ -12,6 +12,7 @@ from indoor_explorers.evaluation.harness.experiment.planning import plan
 from indoor_explorers.evaluation.harness.experiment.request import ComparisonRequest
 from indoor_explorers.evaluation.harness.results.results import Results
 from indoor_explorers.evaluation.harness.results.rows import checksum
+from tests.marks import slow
 
 BETTER = "UPDATE episode SET metrics = json_set(metrics, '$.t99', 3) WHERE seed = 1"
 #: What a policy may do to the store, and how it is told.
@@ -53,7 +54,7 @@ class Edits:
         pass
 
 
-@pytest.mark.parametrize("name", CHANGES)
+@pytest.mark.parametrize("name", ["better", *slow(*[*CHANGES][1:])])
 def test_what_another_program_changed_during_a_run_is_refused(name, tmp_path):
     change, named = CHANGES[name]
     fly(tmp_path)  # episodes of an earlier run are looked at, too

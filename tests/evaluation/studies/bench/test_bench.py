@@ -108,6 +108,7 @@ def test_only_takes_patterns_and_refuses_those_that_name_nothing(instant, capsys
     assert "a-*, b-*" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_growth_is_drawn(instant, tmp_path):
     assert main(["bench", "--only", "a-1", "--figures", str(tmp_path / "drawn")]) == 0
     assert (tmp_path / "drawn" / "growth.png").read_bytes().startswith(b"\x89PNG")

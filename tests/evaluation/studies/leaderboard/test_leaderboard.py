@@ -99,6 +99,7 @@ def test_changed_figures_actions_and_paths_are_found(flown):
     assert "covered differ" in next(mismatches(changed(results, covered=covered)))
 
 
+@pytest.mark.slow
 def test_episodes_of_another_policy_are_found(flown):
     results = flown["two"]
     names = {"random": "pso(length=1)", "pso(length=1)": "random"}
@@ -115,6 +116,7 @@ def test_a_generated_map_has_to_be_that_of_its_seed(tmp_path):
     assert "not the map that the generator makes" in next(mismatches(swapped))
 
 
+@pytest.mark.slow
 def test_the_command_writes_a_page(flown, tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert main(["leaderboard", "one", "two", "--fly", "1", "--out", "board.md"]) == 0

@@ -69,6 +69,7 @@ def test_the_policy_made_has_to_be_the_one_stored(fact, value, mine):
     assert fact in line
 
 
+@pytest.mark.slow
 def test_hand_ins_from_outside_are_named_by_the_user_and_fly_isolated(flown, jobs):
     unnamed, named = Results.load(flown), Results.load(flown, [WANDER])
     assert list(made_again(unnamed)) == ["reference"]

@@ -41,6 +41,7 @@ def _flown(policy: str, adapter: str = "auto"):
     return fly(Simulator(), policy, adapter, "1.png", 0)  # type: ignore[arg-type]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("policy", "adapter", "how"),
     [

@@ -92,6 +92,7 @@ def test_flights_are_kept_and_compared_with_imported_rows(clone: Path, tmp_path:
     assert "--against: expected imported rows of scenario ir2-hybrid-own-rules, found none" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_failure_costs_one_flight_which_is_flown_again(clone: Path, tmp_path: Path, capsys, monkeypatch) -> None:
     out = tmp_path / "out"
     monkeypatch.setenv("FAILS_ON", "2.png")

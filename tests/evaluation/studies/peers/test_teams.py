@@ -14,6 +14,7 @@ from indoor_explorers.evaluation.studies.peers.ir2 import Task
 from indoor_explorers.evaluation.studies.peers.ir2_flights import BUDGET, TeamFlight, fly, pilots
 from indoor_explorers.planners.random_walk import RandomWalkPilot
 from tests.evaluation.studies.peers import team_lattice
+from tests.marks import slow
 
 SEED = 7
 
@@ -54,7 +55,7 @@ def turn() -> Turn:
 
 @pytest.mark.parametrize(
     "policy",
-    ["frontier", "frontier-nearest", *(pytest.param(name, marks=pytest.mark.slow) for name in ("rrt", "dddqn"))],
+    ["frontier", "frontier-nearest", *slow("rrt", "dddqn")],
 )
 def test_every_robot_knows_the_map_in_the_end(policy: str) -> None:
     flight = _flown(policy)

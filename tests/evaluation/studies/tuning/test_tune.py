@@ -63,6 +63,7 @@ def test_trials_are_paired_and_bad_ones_are_dropped(tuned):
     assert all("taken" not in json.loads(row["parameters"]) for row in rows)
 
 
+@pytest.mark.slow
 def test_a_killed_search_goes_on_as_if_it_had_not_been(room, tmp_path, monkeypatch, capsys):
     values, calls = Flights.values, []
 
@@ -205,6 +206,7 @@ def test_the_verdict_is_what_the_interval_shows(ratio, lower, verdict):
     assert gain.line.endswith(f": {verdict}")
 
 
+@pytest.mark.slow
 def test_hours_limit_the_trials_instead(room, tmp_path, capsys):
     out = tmp_path / "out"
     words = ["tune", POLICY, "--scenario", str(room), "--out", str(out), "--hours", "1e-6", *SHORT[2:]]

@@ -100,6 +100,7 @@ def test_nothing_changes_where_nobody_is_heard(scenario):
     assert plain.flight.memory.theirs.size == 0
 
 
+@pytest.mark.slow
 def test_balanced_parts_save_steps():
     plain, divided = (Team("thesis-team-4-radio-unlimited", config, 60).steps_to(0.99) for config in (TOURS, DIVIDED))
     assert divided.mean() < plain.mean() - 0.5
