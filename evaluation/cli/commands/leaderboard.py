@@ -48,7 +48,7 @@ def run_leaderboard(options: LeaderboardOptions, typed: str) -> int:
             _refuse_mismatches(folder, results, options.fly)
     for board in found:
         _print(board, console)
-    print_line(console, legend(options.fly))
+    print_line(console, " ".join(legend(options.fly)))
     if options.out is not None:
         with writable(options.out, "--out"), written_whole(options.out) as partial:
             partial.write_text(markdown_page(found), "utf-8")

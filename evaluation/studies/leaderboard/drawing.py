@@ -28,13 +28,15 @@ from indoor_explorers.evaluation.exports.markdown import escaped, line
 from indoor_explorers.evaluation.statistics import CONFIDENCE
 from indoor_explorers.evaluation.studies.leaderboard.board import Board, BoardRow
 
-#: The meaning of the columns, and the limits of the verification, below the tables.
+#: The meaning of the columns, and the limits of the verification.
 LEGEND = (
-    "Rank: 1 + the number of policies that are significantly better at the last threshold (sign-flip test of all pairs "
-    f"at once where both finish, p at most {1 - CONFIDENCE:.2f}, the maps of a building flipped together; who finishes "
-    "fewer tasks is not better, who finishes significantly more is), with = where it is shared. Policies that "
-    "know the map are not ranked. Times are mean steps [95 % interval]; an episode that never gets there counts as its "
-    "budget. Every episode was simulated again from its map, seed and actions."
+    "Rank: 1 + the number of policies that are significantly better at the last threshold, with = where it is shared.",
+    f"Times where both finish are compared by a sign-flip test of all pairs at once, p at most {1 - CONFIDENCE:.2f}; "
+    "maps of a building are flipped together.",
+    "A policy that finishes fewer tasks is not better, one that finishes significantly more is.",
+    "Policies that know the map are not ranked.",
+    "Times are mean steps [95 % interval]; an episode that never gets there counts as its budget.",
+    "Every episode was simulated again from its map, seed and actions.",
 )
 NOT_FLOWN = "Not flown again (--fly): what policies are and what they know is as their folders say."
 #: Steps from which on times have no decimals.
@@ -43,13 +45,13 @@ MANY = 100.0
 LONGEST_COMMAND, LONGEST_CELL = 10_000, 150
 
 
-def legend(fly: int) -> str:
-    """Return what the columns mean, and whether policies flew ``fly`` of their episodes again."""
+def legend(fly: int) -> tuple[str, ...]:
+    """Return sentences on the columns, and on whether policies flew ``fly`` of their episodes again."""
     again = (
-        f"Policies were made again, and flew {counted(fly, 'episode')} of each scenario again with the same actions; "
-        "those that were not are named with the tables."
+        f"Policies were made again, and flew {counted(fly, 'episode')} of each scenario again with the same actions.",
+        "Policies that were not are named with the tables.",
     )
-    return f"{LEGEND} {again if fly else NOT_FLOWN}"
+    return (*LEGEND, *again) if fly else (*LEGEND, NOT_FLOWN)
 
 
 def board_tables(board: Board, *, page: bool = False) -> list[Table]:
@@ -114,9 +116,9 @@ def _page(boards: Sequence[Board]) -> Iterator[str]:
     yield from (
         f"# {title}",
         "",
-        legend(boards[0].fly),
+        "This page ranks policies by scenario, as `indoor-explorers leaderboard` writes it.",
         "",
-        "This page is what `indoor-explorers leaderboard` writes.",
+        *legend(boards[0].fly),
         "",
     )
     for board in boards:

@@ -13,8 +13,9 @@ from indoor_explorers.evaluation.harness.experiment.planning import plan
 from indoor_explorers.evaluation.harness.experiment.request import ComparisonRequest
 from indoor_explorers.evaluation.harness.results.results import Results
 from indoor_explorers.evaluation.studies.leaderboard.board import boards
-from indoor_explorers.evaluation.studies.leaderboard.drawing import markdown_page
+from indoor_explorers.evaluation.studies.leaderboard.drawing import legend, markdown_page
 from indoor_explorers.evaluation.studies.leaderboard.verifying import flown_differently, made_again, mismatches
+from tests.documents import SITE
 from tests.suites import tiny, tiny_clones
 
 __all__ = ["tiny", "tiny_clones"]
@@ -124,6 +125,12 @@ def test_the_command_writes_a_page(flown, tmp_path, capsys, monkeypatch):
     page = (tmp_path / "board.md").read_text()
     assert page.startswith("# Leaderboard: tiny 3, test part\n")
     assert f"\n    {TYPED.replace('/mine/two', 'DIR').replace('/mine', 'DIR')}\n" in page
+
+
+@pytest.mark.parametrize("name", ["leaderboard", "leaderboard-rooms"])
+def test_the_pages_of_the_site_have_today_s_legend_in_short_sentences(name):
+    assert "\n".join(("", *legend(0), "")) in (SITE / "pages" / f"{name}.md").read_text("utf-8")
+    assert max(map(len, (*legend(0), *legend(3)))) <= 140
 
 
 def test_the_command_names_the_episodes_that_are_not_as_stored(flown, tmp_path, capsys, monkeypatch):
