@@ -23,6 +23,8 @@ from indoor_explorers.env.policies.view import Mate, Message, View, message_numb
 OCCUPANCY = np.array([-1, 0, 100], np.int8)
 #: Occupancies in percent: up to the first a cell is free, from the second on occupied, as Nav2's map server has it.
 FREE_UP_TO, OCCUPIED_FROM = 25, 65
+#: Log-odds of unknown, free and occupied cells on a map that may change.
+LOG_ODDS = np.array([0.0, -100.0, 100.0], np.float32)
 #: Kinds of a ``visualization_msgs/Marker``, and what is to become of one.
 CUBE, SPHERE, LINE_STRIP, LINE_LIST, CUBE_LIST, SPHERE_LIST, TEXT = 1, 2, 4, 5, 6, 7, 9
 ADD, DELETE, DELETE_ALL = 0, 2, 3
@@ -152,6 +154,8 @@ class Robot:
         self._step, self._yaw = 0, 0.0
         self._cell: Cell | None = None
         self._visited = np.zeros(frame.shape, np.bool_)
+        self._belief = np.full(frame.shape, UNKNOWN, np.uint8)
+        self._corrected = False
         self._heard: dict[int, tuple[Cell, int, Message]] = {}
 
     def hear(self, agent: int, pose: Any, message: Message = None) -> None:
@@ -159,7 +163,7 @@ class Robot:
         self._heard[agent] = self.frame.cell(*_point(pose)), self._step, message_numbers(message)
 
     def view(self, grid: Any, pose: Any) -> View:
-        """Return the view of this step.
+        """Return the view of this step; it has log-odds once a known cell has changed, so that pilots plan again.
 
         Args:
             grid: The robot's own map, an OccupancyGrid or an (H, W) int8 array in its row order.
@@ -171,6 +175,8 @@ class Robot:
         """
         belief, self._cell = self.frame.belief(grid), self.frame.cell(*_point(pose))
         belief[self._cell] = FREE  # the robot occupies it
+        self._corrected |= bool(((self._belief != UNKNOWN) & (self._belief != belief)).any())
+        self._belief = read_only(belief)
         self._visited[self._cell] = True
         mates = tuple(
             Mate(agent, cell, self._step - step, message)
@@ -179,8 +185,9 @@ class Robot:
         step, self._step = self._step, self._step + 1
         legal = legal_moves(belief, self._cell)
         return View(
-            *(read_only(belief), self._cell, read_only(legal), step, self.budget, mates),
+            *(self._belief, self._cell, read_only(legal), step, self.budget, mates),
             visited=read_only(self._visited),
+            log_odds=LOG_ODDS[belief] if self._corrected else None,
         )
 
     def goal(self, action: int) -> Goal:

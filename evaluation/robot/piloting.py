@@ -18,12 +18,11 @@ from indoor_explorers.env.errors import RunError, described
 from indoor_explorers.env.grid.arrays import Belief, Cell
 from indoor_explorers.env.grid.cells import FREE, MOVES, OCCUPIED, UNKNOWN
 from indoor_explorers.env.interfaces import GridFrame, Robot
+from indoor_explorers.env.interfaces.ros import LOG_ODDS
 from indoor_explorers.env.policies.policy import checked_action
 from indoor_explorers.env.policies.view import Message
 from indoor_explorers.evaluation.robot.reach import is_frontier
 
-#: Log-odds shown to pilots, so that they look for cells that have changed: a mapper may correct its map.
-LOG_ODDS = np.array([0.0, -100.0, 100.0], np.float32)
 #: Least moves of which a pilot that tells no path is asked.
 LEAST_AHEAD = 4
 
@@ -105,8 +104,9 @@ class Piloting:
     def _act(self, pilot: Pilot, robot: Robot, belief: Belief, cell: Cell) -> int:
         grid = robot.frame.occupancy(belief).reshape(belief.shape)
         view = robot.view(grid, robot.frame.point(cell))
+        view = view._replace(log_odds=LOG_ODDS[view.belief])  # so that pilots look for cells that have changed
         try:
-            return checked_action(self.policy.act([pilot], [view._replace(log_odds=LOG_ODDS[view.belief])])[0])
+            return checked_action(self.policy.act([pilot], [view])[0])
         except Exception as error:
             raise RunError(f"the policy failed at step {view.step}: {described(error)}") from error
 

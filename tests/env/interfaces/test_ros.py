@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
-from indoor_explorers.env import FREE, OCCUPIED, UNKNOWN, Action, InputError, World, make_policy, scenario
+from indoor_explorers.env import FREE, OCCUPIED, UNKNOWN, Action, Briefing, InputError, World, make_policy, scenario
 from indoor_explorers.env.interfaces import Goal, GridFrame, Robot
 
 BELIEFS = arrays.arrays(np.uint8, arrays.array_shapes(min_dims=2, max_dims=2, max_side=12), elements=st.integers(0, 2))
@@ -139,3 +139,28 @@ def test_a_planner_flies_the_same_through_grids_and_goals(policy):
         where = robot.goal(action)[:2]
         world.step(np.array([[action]]))
     assert frame.cell(*where) == world.view(0, 0).cell
+
+
+def test_a_planner_takes_another_way_where_a_mapper_finds_an_obstacle():
+    frame = GridFrame(shape=(5, 12))
+    belief = np.full(frame.shape, FREE, np.uint8)
+    belief[:, 11] = UNKNOWN
+    briefing = Briefing(
+        agent=0,
+        team=1,
+        shape=frame.shape,
+        lidar_range=5.0,
+        scenario=scenario("thesis-open"),
+        rng=np.random.default_rng(0),
+    )
+    pilot, robot = make_policy("frontier-nearest").pilot(briefing), Robot(frame, budget=99)
+
+    def decided(col):
+        view = robot.view(frame.occupancy(belief).reshape(frame.shape), frame.point((2, col)))
+        return pilot.act(view), view.log_odds is not None
+
+    assert decided(2) == decided(3) == (Action.RIGHT, False)
+    belief[2, 5] = OCCUPIED  # no more cells are known than before
+    action, uncertain = decided(4)
+    assert action in (Action.UP, Action.DOWN)
+    assert uncertain
