@@ -1,4 +1,7 @@
-"""The tuning episodes of a search: flown by the harness, each once, and read from its store."""
+"""The tuning episodes of a search: flown by the harness, each once, and read from a store for each trial.
+
+So a look at a trial takes as long after thousands of trials as after one.
+"""
 
 from __future__ import annotations
 
@@ -16,8 +19,8 @@ from indoor_explorers.evaluation.harness.experiment.request import ComparisonReq
 from indoor_explorers.evaluation.harness.results.results import Results
 from indoor_explorers.evaluation.studies.tuning.plan import Search
 
-#: Folder of the store in that of the search.
-FLIGHTS = "flights"
+#: Folder of the stores in that of the search, and of the default's among them.
+FLIGHTS, DEFAULT = "flights", "default"
 
 
 @dataclass
@@ -32,9 +35,9 @@ class Flights:
     maps: Sequence[str] = ()
     """(E,) the map of each episode, once the default was flown."""
 
-    @property
-    def _folder(self) -> Path:
-        return self.search.request.out / FLIGHTS
+    def _folder(self, choice: PolicyChoice) -> Path:
+        name = DEFAULT if choice == self.search.space.choice else choice.name
+        return self.search.request.out / FLIGHTS / name
 
     def fly_default(self) -> None:
         """Fly the default parameters, in whose mean by scenario all values are given."""
@@ -63,13 +66,13 @@ class Flights:
     def _flown(self, choice: PolicyChoice, tasks: Sequence[Task]) -> Results:
         fly_missing(
             self.search.tuning.model_copy(update={"policies": (choice,)}),
-            self._folder,
+            self._folder(choice),
             ComparisonRequest(workers=self.search.request.workers),
             command=self.command,
             only=tasks,
             engine=self.engine,
         )
-        return Results.load(self._folder)
+        return Results.load(self._folder(choice))
 
 
 def _scale(results: Results, scenario: str, policy: str, metric: str) -> float:

@@ -33,6 +33,11 @@ def tune(out, room, *more, policy=POLICY):
     return main(["tune", policy, "--scenario", str(room), "--out", str(out), *SHORT, *map(str, more)])
 
 
+def flown_in(out):
+    """The results of each trial by name, the default's first."""
+    return {folder.name: Results.load(folder) for folder in sorted((out / "flights").iterdir())}
+
+
 def trials_of(out):
     study = optuna.load_study(study_name=NAME, storage=f"sqlite:///{out / STUDY}")
     return [(each.params, each.state, each.user_attrs["values"]) for each in finished(study)]
@@ -52,15 +57,21 @@ def tuned(room, tmp_path_factory):
 
 
 def test_trials_are_paired_and_bad_ones_are_dropped(tuned):
-    flown = Results.load(tuned / "flights")
-    tasks = {name: [each.task for each in flown.groups["room", name]] for name in flown.policies}
-    assert all(each == tasks["frontier-advantage(taken=1.0)"][: len(each)] for each in tasks.values())
+    tasks = {name: [each.task for each in flown.records] for name, flown in flown_in(tuned).items()}
+    assert len(tasks["default"]) == 10
+    assert all(each == tasks["default"][: len(each)] for each in tasks.values())
     with (tuned / "trials.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert [int(row["trial"]) for row in rows] == list(range(10))
     assert float(rows[0]["t99_to_default"]) == 1.0
     assert {int(row["episodes"]) for row in rows if row["dropped"] == "true"} <= {8}
     assert all("taken" not in json.loads(row["parameters"]) for row in rows)
+
+
+def test_each_trial_has_a_store_of_its_own_so_that_a_look_reads_no_other(tuned):
+    flown = flown_in(tuned)
+    assert sorted(flown) == ["default", *(f"trial-{number}" for number in range(1, 10))]
+    assert [len(each.policies) for each in flown.values()] == [1] * 10
 
 
 @pytest.mark.slow
@@ -81,7 +92,8 @@ def test_a_killed_search_goes_on_as_if_it_had_not_been(room, tmp_path, monkeypat
     assert trials_of(out) == trials_of(whole)
     for name in ("tuned.toml", "trials.csv"):
         assert (out / name).read_text().split("\n", 1)[1] == (whole / name).read_text().split("\n", 1)[1]
-    assert len({len(Results.load(each / "flights").records) for each in (out, whole)}) == 1
+    flown, unbroken = ({name: len(each.records) for name, each in flown_in(x).items()} for x in (out, whole))
+    assert flown == unbroken
     before = len(calls)
     capsys.readouterr()
     assert tune(out, room, "--trials", 4) == 0
@@ -114,7 +126,7 @@ def test_compare_reads_what_was_tuned_and_notes_the_seeds_it_was_tuned_on(tuned,
     flown = Results.load(tmp_path / "new")
     entries = tomllib.loads((tuned / "tuned.toml").read_text())["policies"]
     assert list(flown.policies) == [each["name"] for each in entries]
-    assert flown.scenarios == Results.load(tuned / "flights").scenarios
+    assert flown.scenarios == flown_in(tuned)["default"].scenarios
     (first, _), (fresh, _) = (entries[1]["seen_seeds"][use][0] for use in ("tuning", "validation"))
     for seed, participle in ((first, "developed"), (fresh, "validated")):
         assert main([*words, "--seed", str(seed), "--out", str(tmp_path / participle)]) == 0
