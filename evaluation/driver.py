@@ -38,7 +38,7 @@ class Watcher(Protocol):
     """Receives the progress of a run."""
 
     def begin(self, total: int, missing: int) -> None:
-        """Receive, before the first flight, the number of all episodes and of those that the store lacks."""
+        """Receive, before the first flight, the number of episodes asked for and of those that the store lacks."""
 
     def flown(self, records: Sequence[FlownEpisode], seconds_left: float | None) -> None:
         """Receive newly stored episodes and the estimated seconds until the last one; None without an estimate."""
@@ -91,12 +91,12 @@ def fly_missing(
             loader.close()  # its processes are no longer needed
             facts = run_facts(command, how.engine, how.workers)
             number = store.begin_run(experiment, _of_all_runs(about, store.policies()), facts, refly=how.refly)
-            finished = store.finished(failed=not how.retry_failed)
-            if only is not None:
-                finished |= {(each.name, task) for each in present for task in {*experiment.tasks()} - {*only}}
+            finished, tasks = store.finished(failed=not how.retry_failed), set(experiment.tasks())
+            left_out = tasks.difference(tasks if only is None else only)
+            finished |= {(each.name, task) for each in present for task in left_out}
             workload = Workload(experiment, finished, _worker_count(how), about=about)
             if watcher is not None:
-                watcher.begin(len(experiment.policies) * len(experiment.tasks()), len(workload))
+                watcher.begin(len(present) * len(tasks - left_out), len(workload))
             for records in fly_jobs(workload) if workload else ():
                 for record in records:
                     store.add(record, number, replace_failed=how.retry_failed)
