@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -28,7 +27,7 @@ class Candidate:
     """Row and column."""
     score: float
     """What the choice goes by: the larger, the better."""
-    parts: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    parts: Mapping[str, float] = field(default_factory=dict)
     """What the score is made of, by name, such as a gain and a number of steps."""
 
 
@@ -46,7 +45,7 @@ class Explanation:
     """What the scores are, in a few words."""
     path: tuple[Cell, ...] = ()
     """The cells that are left of the way to the goal, from the UAV's on."""
-    mates: Mapping[int, Cell] = field(default_factory=lambda: MappingProxyType({}))
+    mates: Mapping[int, Cell] = field(default_factory=dict)
     """The cells to which it supposes that its teammates fly, by their numbers."""
     note: str = ""
     """What else there is to say, such as who chose instead of the rule; empty for nothing."""

@@ -46,8 +46,9 @@ def test_a_building_is_explored_and_then_it_is_done(policy):
     assert len(room.goals) < 80
 
 
-def test_goals_are_some_cells_ahead_for_pilots_that_tell_moves_alone():
-    room, explorer = Room(ROOMS, START), explorer_of("pso-robots")
+@pytest.mark.parametrize("policy", ["pso-robots", "tours", "dddqn"])
+def test_goals_are_some_cells_ahead_for_pilots_that_tell_moves_alone(policy):
+    room, explorer = Room(ROOMS, START), explorer_of(policy)
     room.tell(explorer, 0.0)
     goal = explorer.tick(0.0).goal
     row, col = room.frame.cell(goal.x, goal.y)
