@@ -185,21 +185,33 @@ class Guard:
         return int(step_towards(self._steps, *self._retreat_cell))
 
 
-class WatchedPilot(Pilot):
-    """A pilot whose moves the guard may replace; it counts the cells that its UAV discovered itself from its views."""
+class GuardedPilot(Pilot):
+    """A pilot whose moves the guard may replace."""
+
+    kept: Explanation | None = None
+    """Why the latest move was made, where anybody asks."""
 
     def __init__(self, briefing: Briefing, *, guard: bool) -> None:
         self._guard = Guard(briefing.shape, briefing.rng) if guard else None
-        self._noted = np.zeros(briefing.shape, np.uint8)
-        self._lidar = lidar_model(briefing.lidar_range)
-        self._scan = new_scan(self._lidar)
-        self._gained = 0
-        self.kept: Explanation | None = None
-        """Why the latest move was made, where anybody asks."""
 
     def explain(self) -> Explanation | None:
         """Return the scores of the latest moves."""
         return self.kept
+
+    def tally(self) -> dict[str, float]:
+        """Return ``guarded_share``, the share of the decisions that the guard made; nothing without a guard."""
+        return {} if self._guard is None else {"guarded_share": self._guard.share}
+
+
+class WatchedPilot(GuardedPilot):
+    """A guarded pilot that counts the cells that its UAV discovered itself from its views."""
+
+    def __init__(self, briefing: Briefing, *, guard: bool) -> None:
+        super().__init__(briefing, guard=guard)
+        self._noted = np.zeros(briefing.shape, np.uint8)
+        self._lidar = lidar_model(briefing.lidar_range)
+        self._scan = new_scan(self._lidar)
+        self._gained = 0
 
     def review(self, view: View, proposal: int) -> int:
         """Return the move to make: ``proposal`` or the guard's own; stay when no frontier is reachable."""
@@ -211,7 +223,3 @@ class WatchedPilot(Pilot):
             self._guard.rest()
             return Action.STAY
         return self._guard.review(view, self._gained, proposal)
-
-    def tally(self) -> dict[str, float]:
-        """Return ``guarded_share``, the share of the decisions that the guard made; nothing without a guard."""
-        return {} if self._guard is None else {"guarded_share": self._guard.share}

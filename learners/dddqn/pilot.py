@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.cells import Action
-from indoor_explorers.env.policies.explanation import Explanation, of_moves
-from indoor_explorers.env.policies.policy import Pilot
+from indoor_explorers.env.policies.explanation import of_moves
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.learners.dddqn.network.inference import q_values
 from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
@@ -19,13 +18,14 @@ from indoor_explorers.learners.dddqn.observation.memory import new_memory
 from indoor_explorers.learners.dddqn.observation.observe import observation_context, observe
 from indoor_explorers.learners.dddqn.observation.uav import Known
 from indoor_explorers.learners.dddqn.weights import LoadedWeights
-from indoor_explorers.learners.guard import Guard
+from indoor_explorers.learners.guard import GuardedPilot
 
 
-class ObservingPilot(Pilot):
+class ObservingPilot(GuardedPilot):
     """Observe and act for one UAV, with the memory that its observation needs; subclasses value the moves."""
 
     def __init__(self, briefing: Briefing, observation: ObservationConfig, prior: MapPrior, *, guard: bool) -> None:
+        super().__init__(briefing, guard=guard)
         layout = observation_layout(observation)
         self._context = observation_context(observation, briefing.shape, briefing.scenario, prior)
         self._memory = new_memory(1, briefing.shape, observation, briefing.team)
@@ -36,9 +36,7 @@ class ObservingPilot(Pilot):
         self._ages = np.full((1, briefing.team), -1)
         self._agent, self._flown = np.array([briefing.agent]), np.zeros(1)
         self._cell = np.zeros((1, 2), np.int64)
-        self._guard = Guard(briefing.shape, briefing.rng) if guard else None
         self._layout = layout
-        self._kept: Explanation | None = None
 
     @abstractmethod
     def _values(self) -> NDArray[np.float32]:
@@ -50,13 +48,9 @@ class ObservingPilot(Pilot):
         action = self._choose(view)
         if self.explaining:
             worth = np.where(self.moves[0, :, BLOCKED_AT] == 0.0, self._values(), -np.inf)
-            self._kept = of_moves(view, action, worth, "value of the move", move_parts(self._layout, self.moves[0]))
+            self.kept = of_moves(view, action, worth, "value of the move", move_parts(self._layout, self.moves[0]))
         self._memory.aim(self._cell, np.array([action]))
         return action
-
-    def explain(self) -> Explanation | None:
-        """Return the values of the latest moves, with the planner's features that they have."""
-        return self._kept
 
     def _choose(self, view: View) -> int:
         legal_A = self.moves[0, :, BLOCKED_AT] == 0.0
@@ -77,10 +71,6 @@ class ObservingPilot(Pilot):
         known = Known(view.belief[None], self._cell, self._mates, self._ages, self._agent, self._flown)
         observe(known, self._memory, _ONLY, self._context, self._scene, self.moves)
         self.scenes = stacked(self._scene, self.scenes, np.array([view.step == 0]))
-
-    def tally(self) -> dict[str, float]:
-        """Return ``guarded_share``, the share of the decisions that the guard made, if there is a guard."""
-        return {} if self._guard is None else {"guarded_share": self._guard.share}
 
 
 class DddqnPilot(ObservingPilot):
