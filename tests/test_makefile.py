@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from indoor_explorers.evaluation.site.studies.report_tour import BROWSERS
+
 ROOT = Path(__file__).resolve().parents[1]
 
 
@@ -27,3 +29,7 @@ def test_the_site_flies_few_episodes_unless_asked(tmp_path):
     for words, count in (([], 2), (["EPISODES=30"], 30)):
         printed = make(ROOT, "-n", "docs", f"VENV={sys.prefix}", *words).stdout
         assert f'INDOOR_EXPLORERS_SITE_EPISODES="{count}"' in printed
+
+
+def test_it_looks_for_the_browsers_that_the_tests_look_for():
+    assert f"\nBROWSERS = {' '.join(BROWSERS)}\n" in (ROOT / "Makefile").read_text()

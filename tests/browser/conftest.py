@@ -1,6 +1,5 @@
 """A report with awkward names, and a real browser that shows it."""
 
-import shutil
 from contextlib import contextmanager
 from dataclasses import replace
 from types import SimpleNamespace
@@ -12,10 +11,9 @@ from indoor_explorers.evaluation.harness.episodes.runner import fly
 from indoor_explorers.evaluation.harness.experiment.experiment import Task
 from indoor_explorers.evaluation.harness.results.results import Results
 from indoor_explorers.evaluation.report import write_report
+from indoor_explorers.evaluation.site.studies.report_tour import BROWSERS, chromium
 from tests.evaluation.plugins import Raises, Wander
 
-#: What a browser may be called; the Makefile looks for the same.
-BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 #: Nothing is fetched in the background; a container's root may run it.
 SWITCHES = [
     *("--disable-gpu", "--no-first-run", "--disable-background-networking"),
@@ -89,7 +87,7 @@ def drawing_browser(driver):
 @contextmanager
 def launched(driver, *switches):
     """Start the browser that is found; the test is skipped where there is none."""
-    found = next(filter(None, map(shutil.which, BROWSERS)), None)
+    found = chromium()
     if found is None:
         pytest.skip(f"expected a Chromium on the PATH ({', '.join(BROWSERS)}), found none; make browser installs one")
     running = driver.chromium.launch(executable_path=found, args=list(switches), chromium_sandbox=False)

@@ -25,6 +25,7 @@ from indoor_explorers.evaluation.site.gallery import example_report
 READ = (".headline", ".glance", ".league tbody", ".caveats", ".league thead a")
 #: Pixels of the window.
 WIDTH, HEIGHT = 1120, 1000
+#: What a Chromium may be called; the Makefile looks for the same.
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 #: Draws a number beside the first element of each selector within the overview.
 MARK = """(selectors) => selectors.forEach((selector, k) => {
@@ -55,14 +56,18 @@ def small(png: bytes) -> bytes:
     return file.getvalue()
 
 
+def chromium() -> str | None:
+    """Return the path of the first Chromium on the PATH; None without one."""
+    return next(filter(None, map(shutil.which, BROWSERS)), None)
+
+
 @contextmanager
 def opened(address: str, *options: str) -> Iterator[Any]:
     """Open an address in the first Chromium on the PATH, started with ``options``."""
     from playwright.sync_api import sync_playwright  # for developers alone
 
     with sync_playwright() as driver:
-        found = next(filter(None, map(shutil.which, BROWSERS)))
-        browser = driver.chromium.launch(executable_path=found, chromium_sandbox=False, args=options)
+        browser = driver.chromium.launch(executable_path=chromium(), chromium_sandbox=False, args=options)
         page = browser.new_page(viewport={"width": WIDTH, "height": HEIGHT}, color_scheme="light")
         page.goto(address)
         yield page
