@@ -111,10 +111,17 @@ def fly_missing(
 
 
 def _refuse_unstartable(experiment: Experiment) -> None:
-    """Refuse maps on which the team cannot start before anything is flown."""
+    """Refuse maps on which the team cannot start, or that would be stored with two numbers of levels."""
+    levels: dict[str, int] = {}
     for scenario in experiment.scenarios:
         for index in range(scenario.map.count):
-            draw_spawns(scenario, draw_floorplan(scenario, experiment.seed, index), experiment.seed)
+            plan = draw_floorplan(scenario, experiment.seed, index)
+            draw_spawns(scenario, plan, experiment.seed)
+            if (count := levels.setdefault(plan.digest, plan.level_count)) != plan.level_count:
+                raise InputError(
+                    f"scenario {scenario.name!r}: expected map {plan.name!r} with {count} levels, as in another one, "
+                    f"got {plan.level_count}; set map.least_levels of both"
+                )
 
 
 def _checked(

@@ -35,9 +35,11 @@ def refuse_other_fingerprints(
 
 
 def comparable(settings: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the settings that scenarios of one fingerprint have in common."""
+    """Return the settings that scenarios of one fingerprint have in common, and the number of levels of map files."""
     maps = settings.get("map", {})
-    return task_facts(settings) | {"map": {"source": maps["source"]} if maps.get("source") in OF_CELLS else maps}
+    if maps.get("source") in OF_CELLS:
+        maps = {"source": maps["source"], "levels": maps.get("levels", 1)}
+    return task_facts(settings) | {"map": maps}
 
 
 def _fingerprint(settings: Mapping[str, Any], flown: Mapping[int, set[str]]) -> str | None:

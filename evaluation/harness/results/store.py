@@ -15,6 +15,7 @@ from typing import Any
 
 from indoor_explorers.env import InputError, Scenario
 from indoor_explorers.env.errors import one_line
+from indoor_explorers.env.maps.sources import FileMaps
 from indoor_explorers.evaluation.harness.episodes.record import FlownEpisode, Outcome, Record, is_of_machine
 from indoor_explorers.evaluation.harness.experiment.experiment import Experiment, Task
 from indoor_explorers.evaluation.harness.results.database import (
@@ -49,6 +50,17 @@ def some_of(differences: list[str]) -> str:
     """Return the first of some differences, and how many more there are."""
     more = [f"and {len(differences) - MOST_NAMED} more"] if len(differences) > MOST_NAMED else []
     return "; ".join(differences[:MOST_NAMED] + more)
+
+
+def _difference(fingerprint: str, facts: str, scenario: Scenario) -> str:
+    """Return what a scenario has otherwise than the stored one of its name; empty for nothing."""
+    if fingerprint != scenario.fingerprint:
+        return f"the settings of scenario {scenario.name!r}"
+    here = scenario.map.level_count
+    there = json.loads(facts)["map"].get("levels", 1) if isinstance(scenario.map, FileMaps) else here
+    if there == here:
+        return ""
+    return f"levels of scenario {scenario.name!r} ({there} there, {here} here: omit or set map.least_levels)"
 
 
 class Store(WrittenRows):
@@ -215,13 +227,12 @@ class Store(WrittenRows):
         differing = []
         if seed[0] != str(experiment.seed):
             differing.append(f"seed ({seed[0]} there, {experiment.seed} here)")
-        held = dict(self._db.execute("SELECT name, fingerprint FROM scenario"))
-        asked = {scenario.name: scenario.fingerprint for scenario in experiment.scenarios}
+        rows = self._db.execute("SELECT name, fingerprint, facts FROM scenario")
+        held = {name: (fingerprint, facts) for name, fingerprint, facts in rows}
+        asked = {scenario.name: scenario for scenario in experiment.scenarios}
         if set(held) != set(asked):
             differing.append(f"scenarios ({', '.join(held)} there, {', '.join(asked)} here)")
-        differing += [
-            f"the settings of scenario {name!r}" for name in asked if name in held and held[name] != asked[name]
-        ]
+        differing += filter(None, (_difference(*held[name], asked[name]) for name in asked if name in held))
         if differing:
             named = some_of(differing)
             raise InputError(f"{self.path} holds another experiment; what differs: {named}; {way_out}")

@@ -55,3 +55,35 @@ def test_recorded_flights_are_simulated_again_to_the_same_end(results):
 def test_lower_bounds_hold_and_are_worth_something(results):
     nearest = next(record for record in results.records if record.policy == "frontier-nearest")
     assert 1.0 <= nearest.metrics["t99_to_bound"] < 4.0
+
+
+def test_another_number_of_levels_is_refused_in_a_folder_and_beside_it(tmp_path, capsys):
+    np.save(tmp_path / "two.npy", np.zeros((2, 6, 7), np.bool_))
+    words = ["--maps", str(tmp_path / "two.npy"), "--policies", "random", "--episodes", "1", "--workers", "0"]
+
+    def flown(out, *more):
+        status = main(["compare", *words, *more, "--out", str(tmp_path / out)])
+        return status, capsys.readouterr().err
+
+    more = ("--set", "map.least_levels=4")
+    assert (flown("a")[0], flown("b", *more)[0]) == (0, 0)
+    before = (tmp_path / "a" / "results.db").read_bytes()
+    status, told = flown("a", *more)
+    assert (status, told.count("\n")) == (2, 1)
+    assert "what differs: levels of scenario 'two' (2 there, 4 here: omit or set map.least_levels); choose" in told
+    assert (tmp_path / "a" / "results.db").read_bytes() == before
+    assert main(["report", *(str(tmp_path / out) for out in "ab"), "--out", str(tmp_path / "both.html")]) == 2
+    assert "what differs: map.levels (2 and 4)" in capsys.readouterr().err
+    assert flown("a", *more, "--fresh")[0] == 0
+
+
+def test_a_map_with_two_numbers_of_levels_in_one_comparison_is_refused_before_anything_is_flown(tmp_path, capsys):
+    np.save(tmp_path / "two.npy", np.zeros((2, 6, 7), np.bool_))
+    for name, least in (("low", 1), ("high", 4)):
+        task = TASK.with_settings({"map.source": "files", "map.paths": [str(tmp_path / "two.npy")], "name": name})
+        (tmp_path / f"{name}.toml").write_text(task.with_settings({"map.least_levels": least}).to_toml())
+    words = ["--scenario", f"{tmp_path / 'low.toml'},{tmp_path / 'high.toml'}", "--out", str(tmp_path / "out")]
+    assert main(["compare", "--policies", "random", "--episodes", "1", "--workers", "0", *words]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "scenario 'high': expected map 'two' with 2 levels, as in another one, got 4; set map.least_levels" in line
+    assert not (tmp_path / "out").exists()
