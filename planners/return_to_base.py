@@ -77,7 +77,7 @@ class ReturnPilot(ReportingPilot):
 
     def _have_waited(self, view: View) -> bool:
         """Tell whether unreported cells have waited for the cost of a flight home, and the rest leaves time for it."""
-        known = self.navigator.known
+        known = self.known
         left, flight = view.belief.size - known, 2 * self.home / self.briefing.team
         if self.waited < self._policy.worth * left * flight:
             return False

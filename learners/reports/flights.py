@@ -120,7 +120,7 @@ class RecordingPilot(ReportsPilot):
         odds = max(-clear, min(clear, value(situation, self._recorder.weights)))
         probability = 1.0 / (1.0 + math.exp(-odds))
         home = bool(self._recorder.rng.random() < probability)
-        choice = Choice(situation, view.step, self.navigator.known, probability, home)
+        choice = Choice(situation, view.step, self.known, probability, home)
         self._recorder.choices.setdefault(self.briefing.agent, []).append(choice)
         return home
 

@@ -64,12 +64,12 @@ class SituationObserver:
 
     def note(self) -> None:
         """Note how much is known at this step."""
-        self._known.append(self._pilot.navigator.known)
+        self._known.append(self._pilot.known)
 
     def observe(self, view: View) -> Situation:
         """Return the situation of the pilot."""
         pilot, reach, team = self._pilot, self._range, self._pilot.briefing.team
-        known, home = pilot.navigator.known, pilot.home
+        known, home = pilot.known, pilot.home
         free, left, flight = max(1, int(np.count_nonzero(view.belief == FREE))), view.budget - view.step, 2 * home
         clusters = frontier_clusters(view.belief, reach, pilot.briefing.rise)
         expected = 0.0

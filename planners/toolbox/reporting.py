@@ -11,6 +11,7 @@ from indoor_explorers.env.policies.policy import Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, Mate, View
 from indoor_explorers.planners.toolbox.explorers import added, with_added, without_added
 from indoor_explorers.planners.toolbox.navigation.navigator import Navigator
+from indoor_explorers.planners.toolbox.navigation.paths import count_known
 
 #: Numbers that are added to each message: steps home, and whether the sender flies there.
 ADDED = 2
@@ -39,6 +40,8 @@ class ReportingPilot(Pilot):
         """Its map, and paths on it."""
         self._rng = briefing.rng.spawn(1)[0]
         self._returning = False
+        self.known = 0
+        """Cells that it knows."""
         self.reported = 0
         """Cells that were known when the base, or a teammate that flies there, last had all of them."""
         self.waited = 0
@@ -82,20 +85,21 @@ class ReportingPilot(Pilot):
         assert base is not None
         self.navigator.observe(view)
         if self.navigator.map_grew:
+            self.known = count_known(view.belief)
             self.steps_home = self.navigator.paths.field(view.belief, base)
             self._explored = not self.navigator.paths.to_frontier(view.belief, view.cell, self._rng)
         self.home = int(self.steps_home[view.cell])
         if view.base_age == 0:
             self._has_reported()
             self._returning = False
-        self.waited += self.navigator.known - self.reported
+        self.waited += self.known - self.reported
 
     def _has_reported(self) -> None:
-        self.reported, self.waited = self.navigator.known, 0
+        self.reported, self.waited = self.known, 0
 
     def _decide(self, view: View) -> None:
         """Begin to fly home where it is time, or leave it to a teammate that is nearer."""
-        nothing_new = self.navigator.known == self.reported and not self._is_late(view)
+        nothing_new = self.known == self.reported and not self._is_late(view)
         if view.base_age == 0 or self.home >= UNREACHABLE or nothing_new:
             self._returning = False
             return

@@ -63,6 +63,12 @@ def test_a_flight_home_is_made_when_cells_have_waited_for_its_cost_and_time_is_l
     assert none == flown(ReturnToBase(when="deadline"), budget=400, **HOME)[1][0, 0].tally()
 
 
+def test_known_cells_are_counted_where_poses_drift():
+    world, pilots, _ = fly_preset(ReturnToBase(), "small-offices", 3, budget=60, **{"drift.rate": 0.05}, **HOME)
+    pilot = pilots[0, 0]
+    assert 0 < pilot.reported <= pilot.known <= world.view(0, 0).belief.size
+
+
 def test_of_uavs_in_contact_the_nearest_flies_home():
     policy = ReturnToBase(when="every", every=25)
     world, pilots, _ = flown(policy, team=3, budget=300, **HOME, **{"radio.model": "unlimited"})
