@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar
 
+from indoor_explorers.env.policies.explanation import Explanation
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.registry import make_policy
 from indoor_explorers.env.policies.view import Briefing, View
@@ -40,6 +41,7 @@ class ReportsPilot(ReportingPilot):
         super().__init__(briefing, explorer, pilot)
         self._weights, self._observer = weights, SituationObserver(self, late_cost, pockets)
         self._period, self._next = max(1, int(briefing.lidar_range)), 0
+        self._valued = ""
 
     def act(self, view: View) -> int:
         """Explore, or fly home."""
@@ -57,7 +59,15 @@ class ReportsPilot(ReportingPilot):
 
     def pick(self, view: View, situation: Situation) -> bool:
         """Return the choice in a situation."""
-        return value(situation, self._weights) > 0.0
+        worth = value(situation, self._weights)
+        if self.explaining:
+            self._valued = f"at step {view.step} flying home had the value {worth:.2f}, exploring on 0"
+        return worth > 0.0
+
+    def explain(self) -> Explanation | None:
+        """Return what the rule and the explorer explain, with the latest value of flying home."""
+        found = super().explain()
+        return found and replace(found, note="; ".join(filter(None, (found.note, self._valued))))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,10 +1,12 @@
 """Flights with learned reports: in time, as the explorer where there is no base, and by what the network says."""
 
+import re
+
 import numpy as np
 import pytest
 import torch
 
-from indoor_explorers.env import InputError, make_policy
+from indoor_explorers.env import InputError, World, make_policy, scenario
 from indoor_explorers.learners.reports.learning import AdvantageNet
 from indoor_explorers.learners.reports.network import load_weights, value, write_weights
 from indoor_explorers.learners.reports.policy import NAME, DddqnReports, opened
@@ -61,6 +63,17 @@ def test_never_worth_it_is_one_flight_at_the_deadline(tmp_path):
         2
     ]
     assert np.array_equal(found, alone)
+
+
+def test_it_tells_the_latest_value_of_flying_home(tmp_path):
+    world = World(scenario("small-offices").for_evaluation().with_settings({"team": 1} | HOME))
+    world.reset([3])
+    pilot = policy_of(tmp_path, -100.0).pilot(world.briefing(0, 0))
+    pilot.explaining = True
+    for _ in range(30):
+        world.step([[pilot.act(world.view(0, 0))]])
+    told = pilot.explain().note
+    assert re.search(r"at step 2\d flying home had the value -\d+\.\d\d, exploring on 0$", told)
 
 
 def test_without_a_base_it_is_the_explorer(tmp_path):
