@@ -22,7 +22,7 @@ from indoor_explorers.env.simulation.world import World
 from indoor_explorers.learners.pockets.maps import TrainingMaps
 from indoor_explorers.learners.reports.network import NetworkWeights, value
 from indoor_explorers.learners.reports.policy import ReportsPilot
-from indoor_explorers.learners.reports.situation import HIGHEST_LATE_COST, NUMBERS, Situation
+from indoor_explorers.learners.reports.situation import HIGHEST_LATE_COST, NUMBERS, POINTS, Situation
 from indoor_explorers.planners.toolbox.networks.tensors import read_tensors, write_tensors
 
 #: Least and most free cells of a training map.
@@ -43,10 +43,8 @@ SHORTEST, LONGEST = 3.5, 11.0
 STREAM = 17
 #: Coverage that the base is to know at the deadline.
 ENOUGH = 0.99
-#: Points that an unknown base costs over the whole budget, and what is missing at the deadline at a full late cost.
-POINTS, MISSING = 100.0, 0.05
-#: Share of the flights without a late cost, and the least one of the others.
-NO_LATE_COST, LOWEST_LATE_COST = 0.2, 5.0
+#: What is missing at the deadline at a full late cost.
+MISSING = 0.05
 #: Numbers of the true state at a choice, which the value networks see.
 TRUE = 6
 
@@ -79,7 +77,7 @@ class Choices(NamedTuple):
     home: NDArray[np.bool_]
     """(C,) whether it was."""
     rewards: NDArray[np.float32]
-    """(C,) points until the next choice of the UAV, or the deadline."""
+    """(C,) points until the next choice of the UAV, or the deadline, of 100 for coverage and late cost together."""
     durations: NDArray[np.float32]
     """(C,) time until then, in lidar ranges."""
     lengths: NDArray[np.int64]
@@ -139,9 +137,9 @@ def task(maps: TrainingMaps, rng: np.random.Generator) -> tuple[Floorplan, dict[
 
 
 def draw_late_cost(rng: np.random.Generator) -> float:
-    """Return how much the deadline matters in a flight."""
-    drawn = math.exp(rng.uniform(math.log(LOWEST_LATE_COST), math.log(HIGHEST_LATE_COST)))
-    return 0.0 if rng.random() < NO_LATE_COST else drawn
+    """Return how much the deadline matters in a flight: half of the flights have less than 24 points."""
+    share = HIGHEST_LATE_COST / (POINTS + HIGHEST_LATE_COST) * rng.random() ** 2
+    return float(POINTS * share / (1.0 - share))
 
 
 def fly(maps: TrainingMaps, explorer: str, weights: NetworkWeights, clear: float, seed: int) -> Choices:
@@ -188,13 +186,14 @@ def as_arrays(
     """Return the C choices of one UAV, without results.
 
     ``coverage`` (B + 1, 2) is that of the base and of the team at each step of the budget, ``total`` the number of
-    cells.
+    cells. Points are scaled, so that those of flights with a high late cost do not outweigh the others.
     """
     base, budget = coverage[:, 0], len(coverage) - 1
     steps = np.array([*(choice.step for choice in choices), budget])
     unknown = np.concatenate([[0.0], np.cumsum(1.0 - base[1:])]) / budget * POINTS
     rewards = -np.diff(unknown[steps])
     rewards[-1:] -= points_lost(base[-1], late_cost)
+    rewards *= POINTS / (POINTS + late_cost)
     known = np.array([choice.known for choice in choices], np.int64)
     at = coverage[steps[:-1]]
     rate = (1.0 - at[:, 1]) * total / np.maximum(1, budget - steps[:-1]) / team / lidar_range

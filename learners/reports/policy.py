@@ -86,7 +86,7 @@ class DddqnReports(EstimateUser, ExploringWith):
 
     Raises:
         InputError: ``weights`` is missing or not a file of this network.
-        ValueError: ``late_cost`` is not between 0 and 60.
+        ValueError: ``late_cost`` is not between 0 and 300.
 
     """
 

@@ -29,8 +29,10 @@ BESIDE = 0.01
 UNDECIDED = 0.5
 #: Largest value of the rule, either way.
 CLEAR = 3.0
+#: Points that an unknown base costs over the whole budget.
+POINTS = 100.0
 #: Points that it costs by default if the base knows under 99 % at the deadline, and the most: see :mod:`.flights`.
-LATE_COST, HIGHEST_LATE_COST = 15.0, 60.0
+LATE_COST, HIGHEST_LATE_COST = 15.0, 300.0
 #: Lidar ranges of flight over which the recent rate of discovery is taken.
 RECENT = 5
 
@@ -102,7 +104,7 @@ class SituationObserver:
             min(int(from_home.max(initial=0)) / reach, 20.0) / 10.0,
             reach / 10.0,
             left * team * reach / free / 10.0,
-            self._late_cost / HIGHEST_LATE_COST,
+            self._late_cost / (POINTS + self._late_cost),
         )
         return Situation(np.array(numbers, np.float32), max(-CLEAR, min(CLEAR, ratio - log(UNDECIDED))))
 

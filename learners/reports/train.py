@@ -40,7 +40,7 @@ __all__ = ["DEFAULT_SCENARIO", "TrainingConfig", "flown", "train"]
 class TrainingConfig(RoundSettings):
     """Describe one training completely, together with its seed."""
 
-    rounds: int = Field(4, ge=1)
+    rounds: int = Field(5, ge=1)
     """Rounds of flying and learning."""
     flights: int = Field(1000, ge=1)
     """Flights in one round."""

@@ -23,7 +23,8 @@ from indoor_explorers.evaluation.harness.episodes.runner import fly
 from indoor_explorers.evaluation.harness.experiment.experiment import Task
 from indoor_explorers.evaluation.statistics import bootstrap_mean
 from indoor_explorers.learners.pockets.maps import TrainingMaps
-from indoor_explorers.learners.reports.flights import ENOUGH, POINTS, STREAM, points_lost, task
+from indoor_explorers.learners.reports.flights import ENOUGH, STREAM, points_lost, task
+from indoor_explorers.learners.reports.situation import POINTS
 
 #: Seed of the first task, beyond those of trainings with a seed below 89.
 FIRST = 900_000_000
@@ -31,7 +32,7 @@ FIRST = 900_000_000
 EXPLORER = "frontier-predictive"
 LEARNED = "dddqn-reports"
 #: The learner's costs of being late, of the 100 points for the mean coverage.
-LATE_COSTS = (0.0, 15.0, 60.0)
+LATE_COSTS = (0.0, 15.0, 60.0, 300.0)
 #: Parameters of ``return-to-base``, by name.
 RULES: dict[str, dict[str, Any]] = {
     "at the deadline": {"when": "deadline"},

@@ -19,7 +19,7 @@ def test_the_learner_is_compared_with_each_rule_on_the_same_tasks_and_at_the_sam
     ]
     heading, _, rule, *own = table(flights).splitlines()
     assert {line.count("|") for line in (heading, rule, *own)} == {4 + len(LATE_COSTS)}
-    assert rule == "| a rule | 0.400 | 100\u202f% | 10.0 | 2.5 | \N{MINUS SIGN}20.0 |"
+    assert rule == "| a rule | 0.400 | 100\u202f% | 10.0 | 2.5 | \N{MINUS SIGN}20.0 | \N{MINUS SIGN}140.0 |"
     assert [line.split(" | ")[1:3] for line in own] == [["0.500", "50\u202f%"]] * len(LATE_COSTS)
     assert all(own[k].split("|")[4 + k].strip() == "" for k in range(len(LATE_COSTS)))
 
