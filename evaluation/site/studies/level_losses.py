@@ -18,7 +18,7 @@ from scipy import ndimage
 
 from indoor_explorers.env import Briefing, Pilot, Policy, View
 from indoor_explorers.env.errors import InputError
-from indoor_explorers.env.grid.arrays import Belief
+from indoor_explorers.env.grid.arrays import Belief, Cell
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.grid.levels import Levels, plane_of
 from indoor_explorers.env.policies.policy import ALL_CELLS
@@ -82,7 +82,8 @@ class ForesightPilot(RoutePilot):
         policy, briefing = self._policy, self.briefing
         self.cells = foreseen(self._truth, view.belief, briefing.levels, policy.ahead)
         wanted = (self.cells == FREE) & (view.belief == UNKNOWN)
-        self._due, self._grew, route = view.step + policy.period, False, ()
+        self._due, self._grew = view.step + policy.period, False
+        route: tuple[Cell, ...] = ()
         if wanted.any():
             lidar, known = briefing.scenario.lidar_arguments, (~wanted).tobytes()
             task = PlanRequest(self.cells.tobytes(), briefing.shape, (view.cell,), lidar, True, 1.0, 1.0, known)
@@ -116,8 +117,8 @@ def table(results: Results) -> Iterator[str]:
     for record in results.records:
         found.setdefault(record.policy, []).append(losses(record.curve))
     for policy, rows in found.items():
-        yield f"| `{policy}` | {' | '.join(f'{mean:.0f}' for mean in np.mean(rows, axis=0))} |"
+        yield f"| `{policy}` | {' | '.join(f'{mean:.0f}' for mean in np.mean(rows, axis=0))} |\n"
 
 
 if __name__ == "__main__":
-    print(*table(Results.load(Path(sys.argv[1]))), sep="\n")  # noqa: T201 - a script
+    sys.stdout.writelines(table(Results.load(Path(sys.argv[1]))))
