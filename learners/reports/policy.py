@@ -12,7 +12,7 @@ from indoor_explorers.env.policies.registry import make_policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.provenance import joined, record_of, recorded_maps
 from indoor_explorers.learners.reports.network import NetworkWeights, load_weights, value
-from indoor_explorers.learners.reports.situation import HIGHEST_LATE_COST, LATE_COST, Situation, SituationObserver
+from indoor_explorers.learners.reports.situation import LATE_COST, Situation, SituationObserver
 from indoor_explorers.learners.sessions.record import digest_of
 from indoor_explorers.planners.toolbox.explorers import ExploringWith
 from indoor_explorers.planners.toolbox.networks.weights_file import weights_path
@@ -86,7 +86,6 @@ class DddqnReports(EstimateUser, ExploringWith):
 
     Raises:
         InputError: ``weights`` is missing or not a file of this network.
-        ValueError: ``late_cost`` is not between 0 and 300.
 
     """
 
@@ -96,13 +95,9 @@ class DddqnReports(EstimateUser, ExploringWith):
     """Registry name of the policy that explores."""
     weights: str | None = None
     """Path of a training's folder or weights; None: the shipped ones."""
-    late_cost: float = LATE_COST
-    """Points that it costs if the base knows under 99 % at the deadline, of the 100 that its mean coverage is worth."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if not 0.0 <= self.late_cost <= HIGHEST_LATE_COST:
-            raise ValueError(f"late_cost must be between 0 and {HIGHEST_LATE_COST:g}, got {self.late_cost!r}")
         load_weights(self.path)
 
     @property
@@ -113,8 +108,8 @@ class DddqnReports(EstimateUser, ExploringWith):
     def pilot(self, briefing: Briefing) -> ReportsPilot:
         """Make the pilot of one UAV for one episode."""
         explorer = make_policy(self.explorer)
-        weights, explores = load_weights(self.path), explorer.pilot(briefing)
-        return ReportsPilot(briefing, explorer, explores, weights, self.late_cost, self.pocket_path)
+        weights, pilot = load_weights(self.path), explorer.pilot(briefing)
+        return ReportsPilot(briefing, explorer, pilot, weights, pockets=self.pocket_path)
 
     def provenance(self) -> dict[str, str]:
         """Return the hashes of the network's weights and of those of the estimates, and what the explorer declares."""

@@ -31,7 +31,7 @@ UNDECIDED = 0.5
 CLEAR = 3.0
 #: Points that an unknown base costs over the whole budget.
 POINTS = 100.0
-#: Points that it costs by default if the base knows under 99 % at the deadline, and the most: see :mod:`.flights`.
+#: Points that it costs if the base knows under 99 % at the deadline, and the most in a training: see :mod:`.flights`.
 LATE_COST, HIGHEST_LATE_COST = 15.0, 300.0
 #: Lidar ranges of flight over which the recent rate of discovery is taken.
 RECENT = 5

@@ -38,7 +38,7 @@ OUTPUTS = {
     "thesis-obstacles-map": "f92959ac57855a97",
     "places": "a6402e53dd6a5afe",
     "pockets": "88392fe87dae3ed7",
-    "reports": "e7dd1a637d04fcf0",
+    "reports": "a2d97d8397f8989c",
     "rewards-1-stuck-2": "5f8c4e4d9b3bce7b",
 }
 #: Policy, its parameters, scenario, and the digest of the cells of a short flight.
@@ -56,7 +56,7 @@ FLIGHTS: tuple[tuple[str, dict[str, Any], str, str], ...] = (
 WHOLE_FLIGHTS = (
     ("dddqn-places", "small-floors", 1, "07a9717b145aba30"),
     ("dddqn-places", "small-rooms", 2, "b6dda7b9d829275a"),
-    ("dddqn-reports", "office-base-2", 2, "4a168b15de5b76c9"),
+    ("dddqn-reports", "office-base-2", 2, "d35e4f5abf0e8c21"),
     ("dddqn", "thesis-team-2", 2, "2ab5ecd33e039c77"),
     ("dddqn", "thesis-obstacles", 1, "1568e666f0654ce8"),
 )

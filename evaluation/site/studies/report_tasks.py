@@ -4,8 +4,8 @@
 
 flies 100 tasks, drawn as those of the training of ``dddqn-reports`` but by other seeds, in two processes, and prints in
 Markdown the mean coverage of the base, the share of tasks in which it knew 99 % at the deadline, and the learner's
-points (:mod:`indoor_explorers.learners.reports.flights`) beyond each rule's, with intervals over tasks. The learner is
-flown, and points are counted, for several costs of being late. A second number is the first task.
+points (:mod:`indoor_explorers.learners.reports.flights`) beyond each rule's, with intervals over tasks. A second number
+is the first task.
 """
 
 from __future__ import annotations
@@ -24,15 +24,13 @@ from indoor_explorers.evaluation.harness.experiment.experiment import Task
 from indoor_explorers.evaluation.statistics import bootstrap_mean
 from indoor_explorers.learners.pockets.maps import TrainingMaps
 from indoor_explorers.learners.reports.flights import ENOUGH, STREAM, points_lost, task
-from indoor_explorers.learners.reports.situation import POINTS
+from indoor_explorers.learners.reports.situation import LATE_COST, POINTS
 
 #: Seed of the first task, beyond those of trainings with a seed below 89.
 FIRST = 900_000_000
 #: The explorer of all.
 EXPLORER = "frontier-predictive"
 LEARNED = "dddqn-reports"
-#: The learner's costs of being late, of the 100 points for the mean coverage.
-LATE_COSTS = (0.0, 15.0, 60.0, 300.0)
 #: Parameters of ``return-to-base``, by name.
 RULES: dict[str, dict[str, Any]] = {
     "at the deadline": {"when": "deadline"},
@@ -52,20 +50,16 @@ class Flown(NamedTuple):
     last: float
     """Its coverage at the deadline."""
 
-    def points(self, late_cost: float) -> float:
-        """Return the points of the training, of which 100 are the most."""
-        return POINTS * self.coverage - points_lost(self.last, late_cost)
-
-
-def learned(late_cost: float) -> str:
-    """Return the name of the learner that is flown for a cost of being late."""
-    return f"`{LEARNED}(late_cost={late_cost:g})`"
+    @property
+    def points(self) -> float:
+        """The points that count, of which 100 are the most."""
+        return POINTS * self.coverage - points_lost(self.last, LATE_COST)
 
 
 def policies() -> dict[str, Policy]:
     """Return the rules and the learner by name."""
     rules = {name: make_policy("return-to-base", explorer=EXPLORER, **given) for name, given in RULES.items()}
-    return rules | {learned(cost): make_policy(LEARNED, explorer=EXPLORER, late_cost=cost) for cost in LATE_COSTS}
+    return rules | {LEARNED: make_policy(LEARNED, explorer=EXPLORER)}
 
 
 def flown(seed: int) -> dict[str, Flown]:
@@ -81,15 +75,15 @@ def flown(seed: int) -> dict[str, Flown]:
 
 def table(flights: list[dict[str, Flown]]) -> str:
     """Return the table in Markdown."""
-    costs = " | ".join(f"learner beyond it, late cost {cost:g}" for cost in LATE_COSTS)
-    lines = [f"| flights home | base, mean coverage | 99 % at the deadline | {costs} |", "|---" * 6 + "|"]
+    lines = ["| flights home | base, mean coverage | 99 % at the deadline | points | of the learner beyond it |"]
+    lines.append("|---|---|---|---|---|")
     for name in flights[0]:
         each = [flight[name] for flight in flights]
-        cells = [f"{np.mean([one.coverage for one in each]):.3f}"]
-        cells.append(percent(float(np.mean([one.last >= ENOUGH for one in each]))))
-        for cost in LATE_COSTS:
-            beyond = [flight[learned(cost)].points(cost) - flight[name].points(cost) for flight in flights]
-            cells.append("" if name == learned(cost) else with_interval(bootstrap_mean(beyond), 1))
+        beyond = [flight[LEARNED].points - one.points for flight, one in zip(flights, each, strict=True)]
+        reached = percent(float(np.mean([one.last >= ENOUGH for one in each])))
+        cells = [f"{np.mean([one.coverage for one in each]):.3f}", reached]
+        cells.append(f"{np.mean([one.points for one in each]):.1f}")
+        cells.append("" if name == LEARNED else with_interval(bootstrap_mean(beyond), 1))
         lines.append(f"| {name} | {' | '.join(cells)} |")
     return "\n".join(lines) + "\n"
 
