@@ -51,6 +51,12 @@ SLOW_CONFORMANCE = [
     "bat",
     "gso",
     "level-by-level",
+    "frontier-mrtsp",
+    "frontier-advantage",
+    "frontier-tour",
+    "frontier-minpos",
+    "frontier-hungarian",
+    "frontier-utility",
     *AS_FRONTIER,
     *BY_ESTIMATES,
 ]

@@ -275,8 +275,9 @@ def test_failed_episodes_are_flown_again_on_request_alone(capsys, tmp_path, monk
 
 @pytest.mark.parametrize(
     ("episodes", "room", "full", "workers"),
-    [(40, 200_000, "results.db", 0), pytest.param(2, 500_000, "the output", 1, marks=pytest.mark.slow)],
+    [(40, 200_000, "results.db", 0), (2, 500_000, "the output", 1)],
 )
+@pytest.mark.slow
 def test_a_run_without_room_says_so_and_is_resumed_with_room(episodes, room, full, workers, capsys, tmp_path):
     words = ["compare", "--policies", "random", "--scenario", "thesis-open", "--episodes", episodes, "--out", tmp_path]
     running = start(*words, "--workers", workers, room=room)

@@ -107,6 +107,7 @@ def test_an_explorer_that_is_killed_is_started_again_and_goes_on(start):
     again.says(DONE)
 
 
+@pytest.mark.slow
 def test_interrupting_stops_the_robot(start):
     start(f"{BUILDING} --speed 0.3")
     explorer = start(f"{EXPLORER} --goals action")

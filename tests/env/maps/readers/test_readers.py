@@ -22,7 +22,6 @@ from indoor_explorers.env.maps.readers.movingai import read_movingai
 from indoor_explorers.env.maps.readers.npy import occupancy, read_npy
 from indoor_explorers.env.maps.readers.opening import read_json
 from indoor_explorers.env.maps.sources import FileMaps
-from tests.marks import slow
 
 SHARED = Path(__file__).parents[4] / ".." / "shared" / "maps"
 needs_shared = pytest.mark.skipif(not SHARED.is_dir(), reason="the development maps (../shared/maps) are not here")
@@ -222,7 +221,8 @@ def test_the_largest_maps_are_read_and_reduced_in_bounded_memory(tmp_path, suffi
     assert coarse.start == ((513, 8) if suffix == ".png" else None)
 
 
-@pytest.mark.parametrize("name", ["walls.json", *slow("rooms.xml")])
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["walls.json", "rooms.xml"])
 def test_the_largest_buildings_are_drawn_in_bounded_memory(tmp_path, name):
     """A hall of 590 m x 590 m is drawn with nine times the pixels of the largest map."""
     corners = [(0, 0), (590, 0), (590, 590), (0, 590)]

@@ -89,7 +89,7 @@ OVERDUE = overdue_reason(SECONDS)
         pytest.param("HangsTogether", OVERDUE, marks=SLOW),
         pytest.param("HangsForGood", OVERDUE, marks=SLOW),
         pytest.param("HangsInC", OVERDUE, marks=SLOW),
-        ("Exits", "the process of the policy ended with exit code 3"),
+        pytest.param("Exits", "the process of the policy ended with exit code 3", marks=SLOW),
         pytest.param("KillsItself", "the process of the policy was killed by signal 9 (SIGKILL)", marks=SLOW),
         pytest.param("Segfaults", "the process of the policy was killed by signal 11 (SIGSEGV)", marks=SLOW),
     ],
@@ -117,7 +117,8 @@ def test_copies_of_its_process_that_a_policy_makes_end_with_the_decision(policy,
     assert [facts(record) for record in supervisor.fly(job(policy, [2]))] == [facts(honest[2])]
 
 
-@pytest.mark.parametrize("seeds", [[GUILTY], pytest.param([1, 0, 2], marks=SLOW)], ids=["alone", "among others"])
+@pytest.mark.slow
+@pytest.mark.parametrize("seeds", [[GUILTY], [1, 0, 2]], ids=["alone", "among others"])
 def test_a_leak_is_stopped(seeds, patient, honest):
     records = patient.fly(job("LeaksAtOnce", seeds))
     (failed,) = [record for record in records if record.outcome is Outcome.FAILED]

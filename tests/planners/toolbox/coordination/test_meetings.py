@@ -14,6 +14,7 @@ from indoor_explorers.env.search.bfs import distance_field
 from indoor_explorers.planners.toolbox.coordination.sequence_chooser import not_taken
 from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters, nearest_cells
 from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
+from tests.marks import slow
 from tests.planners.flights import rooms
 
 RANGE, RADIO = 3.0, 4.0
@@ -45,7 +46,7 @@ def has_another(view: View, own: Cell, other: Cell) -> bool:
     return bool(((away > 1.5 * RANGE) & (steps <= field[own] + 3.0 * RANGE)).any())
 
 
-@pytest.mark.parametrize("name", ["frontier", "frontier-burgard", "frontier-hungarian", "pso", "rrt"])
+@pytest.mark.parametrize("name", ["frontier", "frontier-burgard", "frontier-hungarian", "pso", *slow("rrt")])
 def test_linked_uavs_fly_to_different_places(name: str) -> None:
     policy, together, meetings = make_policy(name), [], 0
     for seed in range(1, 7):
