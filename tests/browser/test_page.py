@@ -28,7 +28,7 @@ def test_light_and_dark(page):
 
 
 def test_names_are_shown_as_they_are(page):
-    assert page.locator("#s1 table").first.get_by_text(HOSTILE).first.is_visible()
+    assert page.locator("#s1 table.results").get_by_text(HOSTILE).first.is_visible()
     assert "</script>" in page.locator("#replay-s1 select[aria-label=Episode]").inner_text()
     assert page.locator("img").count() == 0
     assert page.locator("#replay-s2 .panel").count() == 3
