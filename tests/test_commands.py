@@ -21,8 +21,8 @@ PLACEHOLDERS = re.compile(
     r"\b(LEARNER|DIR|FILE|MODULE|my_planner)\b|^(bench|ablate|check|robot)\b|results/thesis\b|--engine ray|\*|sb3:sb3-"
     r"|places:"
 )
-#: Commands that need map files of others.
-DATA = re.compile(r"--data|data=|DungeonMaps|g4s_y2|\.building\.yaml|hotel\.bt")
+#: Commands that need map files or code of others.
+DATA = re.compile(r"--data|data=|DungeonMaps|g4s_y2|\.building\.yaml|hotel\.bt|--clone")
 #: What makes a command short.
 SHORTER = {
     "compare": ["--episodes", "1", "--workers", "1"],
@@ -46,7 +46,7 @@ def shortened(words: list[str]) -> list[str]:
         more = ["--set", "episodes=3", "evaluation_episodes=2"]
     if words[0] == "train" and {"dddqn-places", "dddqn-reports", "pockets"} & {*words}:
         more = ["--set", "flights=3", "epochs=1" if "pockets" in words else "rounds=1"]
-    if words[0] == "watch" and "--save" not in words:
+    if words[0] == "watch" and not {"--save", "--rerun"} & {*words}:
         more = [*more, "--save", "last.png"]
     return [*words, *more]
 
