@@ -25,9 +25,9 @@ EXHAUSTIVE = ("optimum",)
 
 def parametrized(names: Sequence[str], slow: Sequence[str] = ()) -> pytest.MarkDecorator:
     """Return a mark that runs a test for each ``name``, all tests of a policy in one process; for some it is slow."""
-    slow = [*slow, *EXHAUSTIVE]
-    groups = {name: (pytest.mark.xdist_group(name), *[pytest.mark.slow] * (name in slow)) for name in names}
-    return pytest.mark.parametrize("name", [pytest.param(name, marks=marks) for name, marks in groups.items()])
+    return pytest.mark.parametrize(
+        "name", [pytest.param(name, marks=_marks(name, slow=name in slow)) for name in names]
+    )
 
 
 def with_rows(names: Sequence[str], rows: Sequence[dict[str, Any]], slow: Sequence[str]) -> pytest.MarkDecorator:
@@ -35,8 +35,13 @@ def with_rows(names: Sequence[str], rows: Sequence[dict[str, Any]], slow: Sequen
 
     Which rows are not slow changes from policy to policy, so that `make test` flies all of both.
     """
-    slow, found = [*slow, *EXHAUSTIVE], []
+    found = []
     for (number, name), (k, row) in product(enumerate(names), enumerate(rows)):
-        marks = [pytest.mark.xdist_group(name), *[pytest.mark.slow] * (name in slow or (number + k) % 3 > 0)]
+        marks = _marks(name, slow=name in slow or (number + k) % 3 > 0)
         found.append(pytest.param(name, row, marks=marks, id="-".join([*map(str, row.values()), name])))
     return pytest.mark.parametrize(("name", "row"), found)
+
+
+def _marks(name: str, *, slow: bool) -> list[pytest.MarkDecorator]:
+    """Return the marks of a test of a policy; those of an exhaustive search are always slow."""
+    return [pytest.mark.xdist_group(name), *[pytest.mark.slow] * (slow or name in EXHAUSTIVE)]

@@ -1,4 +1,4 @@
-"""Recomputes the fingerprints of stored scenarios, which identify tasks."""
+"""Compares stored scenarios, and recomputes their fingerprints, which identify tasks."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from indoor_explorers.env.scenarios.scenario import hashed, task_facts
+from indoor_explorers.env.maps.sources import FileMaps
+from indoor_explorers.env.scenarios.scenario import Scenario, hashed, task_facts
 from indoor_explorers.evaluation.harness.episodes.record import Record
 from indoor_explorers.evaluation.harness.episodes.stored_names import outside_names
 from indoor_explorers.evaluation.harness.results.database import damaged
@@ -38,8 +39,23 @@ def comparable(settings: Mapping[str, Any]) -> dict[str, Any]:
     """Return the settings that scenarios of one fingerprint have in common, and the number of levels of map files."""
     maps = settings.get("map", {})
     if maps.get("source") in OF_CELLS:
-        maps = {"source": maps["source"], "levels": maps.get("levels", 1)}
+        maps = {"source": maps["source"], "levels": _level_count(maps)}
     return task_facts(settings) | {"map": maps}
+
+
+def task_difference(fingerprint: str, settings: Mapping[str, Any], scenario: Scenario) -> str:
+    """Return what a scenario has otherwise than stored settings with a fingerprint; empty if the tasks are the same."""
+    if fingerprint != scenario.fingerprint:
+        return f"the settings of scenario {scenario.name!r}"
+    there, here = _level_count(settings["map"]), scenario.map.level_count
+    if not isinstance(scenario.map, FileMaps) or there == here:
+        return ""
+    return f"levels of scenario {scenario.name!r} ({there} there, {here} here: omit or set map.least_levels)"
+
+
+def _level_count(maps: Mapping[str, Any]) -> int:
+    """Return the levels of stored map files, which have one where nothing is said."""
+    return int(maps.get("levels", 1))
 
 
 def _fingerprint(settings: Mapping[str, Any], flown: Mapping[int, set[str]]) -> str | None:

@@ -15,7 +15,6 @@ from typing import Any
 
 from indoor_explorers.env import InputError, Scenario
 from indoor_explorers.env.errors import one_line
-from indoor_explorers.env.maps.sources import FileMaps
 from indoor_explorers.evaluation.harness.episodes.record import FlownEpisode, Outcome, Record, is_of_machine
 from indoor_explorers.evaluation.harness.experiment.experiment import Experiment, Task
 from indoor_explorers.evaluation.harness.results.database import (
@@ -27,6 +26,7 @@ from indoor_explorers.evaluation.harness.results.database import (
     transaction,
     write_ahead,
 )
+from indoor_explorers.evaluation.harness.results.fingerprints import task_difference
 from indoor_explorers.evaluation.harness.results.origins import Origin
 from indoor_explorers.evaluation.harness.results.policy_version import version_difference
 from indoor_explorers.evaluation.harness.results.reading import FORMAT, SETTINGS
@@ -50,17 +50,6 @@ def some_of(differences: list[str]) -> str:
     """Return the first of some differences, and how many more there are."""
     more = [f"and {len(differences) - MOST_NAMED} more"] if len(differences) > MOST_NAMED else []
     return "; ".join(differences[:MOST_NAMED] + more)
-
-
-def _difference(fingerprint: str, facts: str, scenario: Scenario) -> str:
-    """Return what a scenario has otherwise than the stored one of its name; empty for nothing."""
-    if fingerprint != scenario.fingerprint:
-        return f"the settings of scenario {scenario.name!r}"
-    here = scenario.map.level_count
-    there = json.loads(facts)["map"].get("levels", 1) if isinstance(scenario.map, FileMaps) else here
-    if there == here:
-        return ""
-    return f"levels of scenario {scenario.name!r} ({there} there, {here} here: omit or set map.least_levels)"
 
 
 class Store(WrittenRows):
@@ -228,11 +217,11 @@ class Store(WrittenRows):
         if seed[0] != str(experiment.seed):
             differing.append(f"seed ({seed[0]} there, {experiment.seed} here)")
         rows = self._db.execute("SELECT name, fingerprint, facts FROM scenario")
-        held = {name: (fingerprint, facts) for name, fingerprint, facts in rows}
+        held = {name: (fingerprint, json.loads(facts)) for name, fingerprint, facts in rows}
         asked = {scenario.name: scenario for scenario in experiment.scenarios}
         if set(held) != set(asked):
             differing.append(f"scenarios ({', '.join(held)} there, {', '.join(asked)} here)")
-        differing += filter(None, (_difference(*held[name], asked[name]) for name in asked if name in held))
+        differing += filter(None, (task_difference(*held[name], asked[name]) for name in asked if name in held))
         if differing:
             named = some_of(differing)
             raise InputError(f"{self.path} holds another experiment; what differs: {named}; {way_out}")

@@ -22,6 +22,7 @@ from indoor_explorers.env.grid.arrays import Belief, Cell
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.grid.levels import Levels, plane_of
 from indoor_explorers.env.policies.policy import ALL_CELLS
+from indoor_explorers.evaluation.harness.episodes.metrics import first_step
 from indoor_explorers.evaluation.harness.results.results import Results
 from indoor_explorers.planners.reference.plan import PlanRequest, SearchBudget, plan
 from indoor_explorers.planners.reference.route_pilot import RoutePilot
@@ -103,7 +104,8 @@ def losses(curve: NDArray[np.float64]) -> list[float]:
 
     The last are all those before the last of the shares; those in transits; and those in transits from 90 % on.
     """
-    steps = [int(np.argmax(curve >= share - 1e-9)) if curve.max() >= share - 1e-9 else len(curve) for share in SHARES]
+    reached = [first_step(curve, share) for share in SHARES]
+    steps = [len(curve) if step is None else step for step in reached]
     idle = np.diff(curve[: steps[-1] + 1]) <= 0
     runs, count = ndimage.label(idle)
     transit = np.isin(runs, [k for k in range(1, count + 1) if np.count_nonzero(runs == k) >= TRANSIT])

@@ -17,11 +17,12 @@ def test_a_map_is_foreseen_along_free_cells_of_all_levels():
     truth, belief = CORRIDOR.copy(), np.full_like(CORRIDOR, UNKNOWN)
     truth[0, 3] = OCCUPIED
     belief[0, 0] = FREE
-    cells = Levels.of(truth.shape, 2).volume(foreseen(truth, belief, Levels.of(truth.shape, 2), 3))
+    levels = Levels.of(truth.shape, 2)
+    cells = levels.volume(foreseen(truth, belief, levels, 3))
     assert cells[0, 0].tolist() == [FREE] * 3 + [OCCUPIED] * 3
     assert cells[1, 0].tolist() == [FREE] * 3 + [OCCUPIED] * 3
-    whole = Levels.of(truth.shape, 2).volume(foreseen(truth, belief, Levels.of(truth.shape, 2), 20))
-    np.testing.assert_array_equal(whole == FREE, Levels.of(truth.shape, 2).volume(truth) == FREE)
+    whole = levels.volume(foreseen(truth, belief, levels, 20))
+    np.testing.assert_array_equal(whole == FREE, levels.volume(truth) == FREE)
 
 
 def test_losses_are_steps_without_new_cells_before_the_last_share():
