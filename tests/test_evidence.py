@@ -1,4 +1,4 @@
-"""What the documents claim as evidence: no figure in bold, a card for each set of weights, a next test that is new."""
+"""What the documents claim as evidence: no figure in bold, a card for each set of weights, and a final test."""
 
 import json
 import re
@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from indoor_explorers.env.scenarios.seed_sets import fresh_test_set
+from indoor_explorers.env.scenarios.seed_sets import fresh_test_set, seed_set
 from indoor_explorers.env.scenarios.suites.suite import digest_of
 from indoor_explorers.evaluation.harness.experiment.planning import plan
 from indoor_explorers.evaluation.harness.experiment.request import ComparisonRequest
@@ -47,10 +47,20 @@ def test_weights_name_the_licences_of_the_maps_that_they_saw():
 
 
 @pytest.mark.parametrize("name", ["next-rooms", "next-floors"])
-def test_the_next_test_is_new_and_its_maps_are_those_named(name):
+def test_the_final_test_was_flown_once_on_the_maps_that_are_named(name):
     told = plan(ComparisonRequest(experiment=Path(name)))
     seeds = range(told.seed, told.seed + told.episodes)
-    assert {seeds[0], seeds[-1]} <= set(fresh_test_set().seeds)
+    flown_once = seed_set("test-8")
+    assert {seeds[0], seeds[-1]} <= set(flown_once.seeds)
+    assert flown_once.published == 1
     assert f"{seeds[0]:,} to {seeds[-1]:,}" in NEXT_TEST
     for flown in told.scenarios:
         assert f"`{digest_of(flown.map, seeds)}`" in NEXT_TEST
+
+
+def test_the_test_after_it_has_seeds_that_nothing_was_published_on():
+    after = NEXT_TEST.partition("\n## The test after this one\n")[2]
+    fresh = fresh_test_set()
+    assert f"{fresh.first:,} to {fresh.seeds[-1]:,} (`{fresh.name}`)" in after
+    for name in ("next-rooms", "next-floors"):
+        assert plan(ComparisonRequest(experiment=Path(name))).seed not in fresh.seeds
