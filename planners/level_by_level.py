@@ -8,7 +8,6 @@ from typing import ClassVar
 from indoor_explorers.env.grid.cells import Action
 from indoor_explorers.env.policies.explanation import Explanation
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
-from indoor_explorers.env.policies.registry import make_policy
 from indoor_explorers.env.policies.view import Briefing, Mate, View
 from indoor_explorers.planners.frontier.nearest import NearestPilot
 from indoor_explorers.planners.toolbox.explorers import ExploringWith
@@ -30,7 +29,7 @@ class LevelByLevel(ExploringWith):
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""
-        explorer = make_policy(self.explorer)
+        explorer = self.make_explorer()
         return explorer.pilot(briefing) if briefing.level_count == 1 else LevelPilot(briefing, explorer, self.stay)
 
 

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal, get_args
 
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
-from indoor_explorers.env.policies.registry import make_policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.toolbox.explorers import ExploringWith
 from indoor_explorers.planners.toolbox.parameters import bounded, one_of
@@ -46,7 +45,7 @@ class ReturnToBase(ExploringWith):
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""
-        explorer = make_policy(self.explorer)
+        explorer = self.make_explorer()
         return ReturnPilot(briefing, self, explorer, explorer.pilot(briefing))
 
 

@@ -13,6 +13,8 @@ from __future__ import annotations
 
 import importlib
 import inspect
+import re
+import tomllib
 from collections import defaultdict
 from collections.abc import Mapping
 from functools import cache
@@ -73,6 +75,27 @@ def opener_entry_points() -> dict[str, EntryPoint]:
 def policy_names() -> list[str]:
     """Return the names of all installed policies."""
     return list(policy_entry_points())
+
+
+def with_parameters(name: str) -> tuple[str, dict[str, Any]]:
+    """Return a policy's name and its parameters, which may stand behind it in parentheses: ``pso(length=1)``.
+
+    Parameters are written as in TOML. A name without parentheses has none.
+
+    Raises:
+        InputError: what stands in the parentheses are no parameters.
+
+    """
+    found = re.fullmatch(r"([^()]+)\((.*)\)", name.strip(), re.DOTALL)
+    if found is None:
+        return name, {}
+    try:
+        return found[1].strip(), tomllib.loads(f"given = {{{found[2]}}}")["given"]
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(
+            f"policy {name!r}: expected parameters as in pso(length=1) or dddqn(map_alone=true,guard=false), with "
+            f"values as in TOML, got {found[2]!r}"
+        ) from error
 
 
 def make_policy(name: str, **parameters: Any) -> Policy:

@@ -32,7 +32,7 @@ SHIPPED = {
     2: ("dddqn", "dddqn-places", "pomdp", "prior-tour", "return-to-base", "dddqn-reports"),
     3: ("pso", "frontier-advantage", "pso-robots", "prm-tour", "rrt-predictive", "level-by-level"),
     4: ("rrt", "rrt-aep", "aco", "frontier-tour", "dddqn-thesis", "attention-sac"),
-    5: ("frontier-predictive", "horizon", "frontier-minpos", "gso", "pso-predictive"),
+    5: ("frontier-predictive", "horizon", "frontier-minpos", "gso", "pso-predictive", "camera-paths"),
     7: ("frontier-latency", "tours", "frontier-utility", "bat", "rrt-frontier", "loop-closing"),
 }
 #: The colour of policies that know the map, last in the order.

@@ -8,7 +8,6 @@ from typing import Any, ClassVar
 
 from indoor_explorers.env.policies.explanation import Explanation
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
-from indoor_explorers.env.policies.registry import make_policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.provenance import joined, record_of, recorded_maps
 from indoor_explorers.learners.reports.network import NetworkWeights, load_weights, value
@@ -107,7 +106,7 @@ class DddqnReports(EstimateUser, ExploringWith):
 
     def pilot(self, briefing: Briefing) -> ReportsPilot:
         """Make the pilot of one UAV for one episode."""
-        explorer = make_policy(self.explorer)
+        explorer = self.make_explorer()
         weights, pilot = load_weights(self.path), explorer.pilot(briefing)
         return ReportsPilot(briefing, explorer, pilot, weights, pockets=self.pocket_path)
 

@@ -14,7 +14,6 @@ from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNREACHABLE, Action
 from indoor_explorers.env.grid.levels import action_between
 from indoor_explorers.env.policies.explanation import Explanation
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
-from indoor_explorers.env.policies.registry import make_policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.sensing.inverse_model import HIT, PASS
 from indoor_explorers.planners.toolbox.explorers import ExploringWith, added, with_added, without_added
@@ -57,7 +56,7 @@ class LoopClosing(ExploringWith):
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""
-        explorer = make_policy(self.explorer)
+        explorer = self.make_explorer()
         return LoopPilot(briefing, self, explorer, explorer.pilot(briefing))
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.policies.policy import Policy
-from indoor_explorers.env.policies.registry import make_policy
+from indoor_explorers.env.policies.registry import make_policy, with_parameters
 from indoor_explorers.env.policies.view import MESSAGE_LIMIT, Mate, Message
 from indoor_explorers.planners.toolbox.parameters import Parameters
 
@@ -22,28 +22,33 @@ class ExploringWith(Parameters, Policy):
     """
 
     explorer: str = "frontier"
-    """Registry name of the policy that explores."""
+    """Registry name of the policy that explores, with its parameters in parentheses if there are any."""
 
     def __post_init__(self) -> None:
         """Check the parameters and the explorer, and take over whether the explorer reads the generator."""
         super().__post_init__()
-        explorer = make_policy(self.explorer)
+        explorer = self.make_explorer()
         if explorer.privileged:
             name = type(self).__name__
             raise InputError(f"{name}: expected an explorer that is not given the map, got {self.explorer!r}")
         object.__setattr__(self, "uses_generator", explorer.uses_generator)
 
+    def make_explorer(self) -> Policy:
+        """Make the policy that explores."""
+        name, parameters = with_parameters(self.explorer)
+        return make_policy(name, **parameters)
+
     def provenance(self) -> dict[str, str]:
         """Return what the explorer declares, such as a hash of its weights."""
-        return make_policy(self.explorer).provenance()
+        return self.make_explorer().provenance()
 
     def seen_seeds(self) -> Mapping[str, Sequence[range]]:
         """Return the seeds that the explorer was trained, validated or tuned on."""
-        return make_policy(self.explorer).seen_seeds()
+        return self.make_explorer().seen_seeds()
 
     def seen_maps(self) -> Mapping[str, Sequence[str]]:
         """Return the maps that the explorer was trained, validated or tuned on."""
-        return make_policy(self.explorer).seen_maps()
+        return self.make_explorer().seen_maps()
 
 
 def with_added(message: Message, *numbers: float) -> Message:

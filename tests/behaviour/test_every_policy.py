@@ -33,7 +33,7 @@ REAL_MAP = Path(__file__).resolve().parents[3] / "shared" / "maps" / "slam" / "S
 #: Policies that fly as `frontier` where there is no base, no prior map or no drift, which their own tests compare.
 AS_FRONTIER = ["return-to-base", "prior-tour", "loop-closing"]
 #: Policies that fly as others do, by the estimates of `frontier-predictive`; `make test` flies their golden episodes.
-BY_ESTIMATES = ["pso-predictive", "rrt-predictive", "dddqn-reports"]
+BY_ESTIMATES = ["pso-predictive", "rrt-predictive", "dddqn-reports", "camera-paths"]
 every_explorer = parametrized(EXPLORERS, slow=[*AS_FRONTIER, *BY_ESTIMATES])
 #: Policies whose decisions take longest, and those that decide much as another one does.
 SLOW_CONFORMANCE = [

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import io
-import re
 import sys
 import tomllib
 from argparse import ArgumentTypeError
@@ -67,7 +66,10 @@ def _listed(text: str) -> list[Any]:
 
 def read_names(text: str) -> list[str]:
     """Read names separated by commas; one in double quotes may hold commas, as in CSV, and so may its parentheses."""
-    kept = re.sub(r"\([^()]*\)", lambda inside: inside[0].replace(",", "\0"), text)
+    kept, depth = "", 0
+    for character in text:
+        depth += (character == "(") - (character == ")")
+        kept += "\0" if character == "," and depth > 0 else character
     rows = csv.reader(io.StringIO(kept, newline=""), skipinitialspace=True)
     names = [name.replace("\0", ",").strip() for row in rows for name in row if name.strip()]
     if not names:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import re
-import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from indoor_explorers.env import InputError, Scenario
 from indoor_explorers.env.errors import did_you_mean
+from indoor_explorers.env.policies.registry import with_parameters
 from indoor_explorers.env.scenarios.loading import named_scenario, scenario_for_comparison
 
 #: The default policies: chance and the four families.
@@ -37,18 +36,9 @@ def chosen_policies(asked: Sequence[Any] | None, listed: Sequence[Any] | None) -
 
 
 def _with_parameters(name: str) -> Any:
-    """Return ``pso(length=1)`` as an entry with these parameters, which are TOML; any other name as it is."""
-    found = re.fullmatch(r"([^()]+)\(([^()]*)\)", name.strip())
-    if found is None:
-        return name
-    try:
-        parameters = tomllib.loads(f"given = {{{found[2]}}}")["given"]
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(
-            f"policy {name!r}: expected parameters as in pso(length=1) or dddqn(map_alone=true,guard=false), with "
-            f"values as in TOML, got {found[2]!r}"
-        ) from error
-    return {"use": found[1].strip(), "name": name.strip(), "parameters": parameters}
+    """Return ``pso(length=1)`` as an entry with these parameters; any other name as it is."""
+    use, parameters = with_parameters(name)
+    return {"use": use, "name": name.strip(), "parameters": parameters} if use != name else name
 
 
 def _policy_name(entry: Any) -> str:

@@ -9,6 +9,7 @@ from indoor_explorers.env.grid.arrays import Belief, Cell, Distances, Mask
 from indoor_explorers.env.grid.levels import action_between
 from indoor_explorers.env.policies.renamed import renamed_property
 from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.planners.toolbox.navigation.camera_moves import CameraMoves
 from indoor_explorers.planners.toolbox.navigation.deadlock import DeadlockResolver
 from indoor_explorers.planners.toolbox.navigation.paths import Paths, map_stamp, near_any, without
 from indoor_explorers.planners.toolbox.navigation.straight_paths import straight_path
@@ -43,6 +44,8 @@ class Navigator:
         """Whether the map has changed since the last step: cells have become known, or are known better."""
         self.known = -1
         """The :func:`~.paths.map_stamp` of the map: an equal number means an unchanged map."""
+        self.camera: CameraMoves | None = None
+        """The choice among shortest paths by what a limited field of view shows on them, if any."""
         self.recent: list[Cell] = []
         """The cells of the last four steps, the current one last."""
         self.given_up = 0
@@ -160,7 +163,10 @@ class Navigator:
 
     def next_cell(self, view: View) -> Cell:
         """Return the next cell of the path; the UAV's own at its end."""
-        return self._path[self._at + 1] if self._at + 1 < len(self._path) else view.cell
+        left = self.path
+        if len(left) < 2:
+            return view.cell
+        return left[1] if self.camera is None else self.camera.next_cell(view, left)
 
     def next_action(self, view: View) -> int:
         """Return the next move along the path, or along a retreat from a teammate in the way."""

@@ -1,0 +1,52 @@
+"""Looking around on the way: paths for a sensor with a limited field of view, whichever planner chooses the goals."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot
+from indoor_explorers.env.policies.view import Briefing
+from indoor_explorers.planners.toolbox.explorers import ExploringWith
+from indoor_explorers.planners.toolbox.navigation.camera_moves import CameraMoves
+from indoor_explorers.planners.toolbox.navigation.navigator import Navigator
+
+
+@dataclass(frozen=True, kw_only=True)
+class CameraPaths(ExploringWith):
+    """Fly to the goals of another policy on the shortest paths on which a camera sees most of the unknown.
+
+    A UAV whose sensor sees a part of its surroundings faces the direction of its last move. Of the moves that bring it
+    nearer to its goal it makes the one after which most unknown cells are in view, so it looks around without flying
+    farther. Planning the yaw along a given path is from B. Zhou, Y. Zhang, X. Chen, S. Shen, "FUEL: Fast UAV
+    exploration using incremental frontier structure and hierarchical planning", IEEE RA-L 6(2), 2021,
+    doi:10.1109/LRA.2021.3051563; on a grid a UAV cannot choose its yaw apart from its path. Where the lidar sees all
+    around, UAVs fly as the explorer.
+
+    By default that is ``frontier-predictive`` with parameters for a narrow view: it changes its goal less easily, and
+    prefers what is near.
+
+    Raises:
+        InputError: the sensor's view is limited, and the explorer does not fly to goals, as the planners of frontiers,
+            samples and swarms and ``dddqn-places`` do.
+
+    """
+
+    plans_for: ClassVar[str] = ALL_CELLS
+
+    explorer: str = "frontier-predictive(switch_cost=1.5,discount_rate=4.0,isolation=2.0,latency=32.0,worth=1.2)"
+    """Registry name of the policy that chooses the goals, with parameters in parentheses if need be."""
+
+    def pilot(self, briefing: Briefing) -> Pilot:
+        """Make the pilot of one UAV: the explorer's, with another choice of moves."""
+        pilot = self.make_explorer().pilot(briefing)
+        if briefing.scenario.turns:
+            navigator = getattr(pilot, "navigator", None)
+            if not isinstance(navigator, Navigator):
+                raise InputError(
+                    f"camera-paths: expected an explorer that flies to goals, such as frontier, rrt or dddqn-places, "
+                    f"got {self.explorer!r}"
+                )
+            navigator.camera = CameraMoves(briefing)
+        return pilot
