@@ -25,6 +25,7 @@ from indoor_explorers.learners.places.scene import MOST, Scene
 from indoor_explorers.learners.places.truth import Truth, truth_of
 from indoor_explorers.learners.pockets.maps import TrainingMaps, team_settings
 from indoor_explorers.planners.toolbox.networks.tensors import read_tensors, write_tensors
+from indoor_explorers.planners.toolbox.pockets.estimates import SHIPPED as POCKETS
 
 Arrays = Mapping[str, NDArray[Any]]
 
@@ -125,17 +126,18 @@ class _Recorder(Policy):
 
     loaded: Loaded
     recording: _Recording
+    pocket_weights: Path
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""
-        return RecordingPilot(briefing, self.loaded, self.recording)
+        return RecordingPilot(briefing, self.loaded, self.recording, self.pocket_weights)
 
 
 class RecordingPilot(PlacesPilot):
     """Choose at random, with probabilities that grow with the values, and record the choice with the truth."""
 
-    def __init__(self, briefing: Briefing, loaded: Loaded, recording: _Recording) -> None:
-        super().__init__(briefing, loaded)
+    def __init__(self, briefing: Briefing, loaded: Loaded, recording: _Recording, pocket_weights: Path) -> None:
+        super().__init__(briefing, loaded, pocket_weights=pocket_weights)
         self._recording = recording
 
     def pick(self, view: View, scene: Scene) -> int:
@@ -152,8 +154,11 @@ class RecordingPilot(PlacesPilot):
         return chosen
 
 
-def fly(maps: TrainingMaps, seed: int, loaded: Loaded) -> TrainingFlight:
-    """Return a flight of a network over a map drawn by a seed, with a lidar, team and radio drawn likewise."""
+def fly(maps: TrainingMaps, seed: int, loaded: Loaded, pocket_weights: Path = POCKETS) -> TrainingFlight:
+    """Return a flight of a network over a map drawn by a seed, with a lidar, team and radio drawn likewise.
+
+    ``pocket_weights`` is the file of the weights of the estimates that the network sees.
+    """
     rng = np.random.default_rng([seed, 11])
     plan = maps.draw(rng)
     while not FEWEST <= np.count_nonzero(plan.truth == FREE) <= LARGEST:
@@ -164,7 +169,7 @@ def fly(maps: TrainingMaps, seed: int, loaded: Loaded) -> TrainingFlight:
     world.begin(0, seed, floorplan=plan)
     reachable = distance_field(plan.truth, world.view(0, 0).cell) < UNREACHABLE
     recording = _Recording(plan.truth, reachable, rng, {})
-    policy = _Recorder(loaded=loaded, recording=recording)
+    policy = _Recorder(loaded=loaded, recording=recording, pocket_weights=pocket_weights)
     coverage = [world.team_coverage[0]]
     for _ in rollout(world, ask_pilots(policy, make_pilots(policy, world), world)):
         coverage.append(world.team_coverage[0])

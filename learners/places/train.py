@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 import torch
-from pydantic import Field
+from pydantic import Field, field_validator
 
 from indoor_explorers.learners.places.flights import choices_of, fly, read_choices, write_choices
 from indoor_explorers.learners.places.learning import LATER, advantages, explained, learn_choices, learn_values
@@ -30,6 +30,10 @@ from indoor_explorers.learners.pockets.maps import TrainingMaps, map_record
 from indoor_explorers.learners.sessions.session import Session
 from indoor_explorers.learners.sessions.tensorboard import Scalars
 from indoor_explorers.learners.sessions.train import TrainingMethod
+from indoor_explorers.planners.toolbox.networks.weights_file import weights_path
+from indoor_explorers.planners.toolbox.pockets.estimates import NAME as POCKET_NAME
+from indoor_explorers.planners.toolbox.pockets.estimates import SHIPPED as POCKETS
+from indoor_explorers.planners.toolbox.pockets.estimates import load_weights as load_pockets
 
 __all__ = ["DEFAULT_SCENARIO", "SCALING", "SCALING_AXES", "TrainingConfig", "flown", "train"]
 
@@ -48,11 +52,24 @@ class TrainingConfig(RoundSettings):
     """Show the network the other places beside each place."""
     width: int = Field(WIDTH, ge=8, le=4096)
     """Units of each hidden layer."""
+    pocket_weights: str | None = None
+    """Path of a training's folder, or of weights, of the network that estimates pockets; None: the shipped ones."""
+
+    @field_validator("pocket_weights")
+    @classmethod
+    def _are_estimates(cls, given: str | None) -> str | None:
+        load_pockets(weights_path(given, POCKETS, POCKET_NAME))
+        return given
+
+    @property
+    def pocket_path(self) -> Path:
+        """The path of the weights of the estimates."""
+        return weights_path(self.pocket_weights, POCKETS, POCKET_NAME).absolute()
 
 
-def fly_seeds(maps: TrainingMaps, loaded: Loaded, path: Path, seeds: range) -> None:
+def fly_seeds(maps: TrainingMaps, loaded: Loaded, pocket_weights: Path, path: Path, seeds: range) -> None:
     """Fly a network, a flight for each seed, and write the choices to a file."""
-    write_choices(path, choices_of([fly(maps, seed, loaded) for seed in seeds]))
+    write_choices(path, choices_of([fly(maps, seed, loaded, pocket_weights) for seed in seeds]))
 
 
 class PlacesTraining(RoundsTraining[TrainingConfig, NetworkWeights]):
@@ -67,7 +84,7 @@ class PlacesTraining(RoundsTraining[TrainingConfig, NetworkWeights]):
 
     def flying(self) -> Callable[[Path, range], None]:
         """Return the function that flies the latest network."""
-        return partial(fly_seeds, self.maps, self._loaded(self.networks[-1]))
+        return partial(fly_seeds, self.maps, self._loaded(self.networks[-1]), self.config.pocket_path)
 
     def learned(self, paths: Sequence[Path]) -> tuple[NetworkWeights, dict[str, int | float]]:
         """Return the next network, and figures of the round."""

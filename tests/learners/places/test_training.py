@@ -27,6 +27,8 @@ from indoor_explorers.learners.places.train import PlacesTraining, TrainingConfi
 from indoor_explorers.learners.places.truth import truth_of
 from indoor_explorers.learners.pockets.maps import TrainingMaps
 from indoor_explorers.learners.sessions.session import Progress
+from indoor_explorers.planners.toolbox.networks.tensors import read_tensors, write_tensors
+from indoor_explorers.planners.toolbox.pockets.estimates import SHIPPED as POCKETS
 from tests.learners.places.small import random_choices, world_on_a_floor
 from tests.learners.places.test_scene import pilot_of
 
@@ -140,6 +142,23 @@ def test_flights_are_the_same_again_and_kept_in_files(tmp_path: Path) -> None:
     assert read.flight.tolist() == [0, 1, 2, 3]
     assert read.half.tolist() == [0] * count + [1] * count + [0] * count + [1] * count
     np.testing.assert_allclose(read.times, [first.times] * 4)
+
+
+def test_flights_see_the_estimates_of_the_weights_that_are_named(tmp_path: Path) -> None:
+    """With weights of zeros other estimates are seen, and the places of the first scene are the same."""
+    for name in ("pockets.safetensors", "pockets.json"):
+        (tmp_path / name).write_bytes((POCKETS.parent / name).read_bytes())
+    path = TrainingConfig(pocket_weights=str(tmp_path)).pocket_path
+    assert path == tmp_path / POCKETS.name
+    arrays, about = read_tensors(path)
+    write_tensors(path, {name: np.zeros_like(array) for name, array in arrays.items()}, about)
+    network = Loaded(weights_of(AdvantageNet()), 0.45, guess=True, others=True)
+    shipped, zeros = (fly(TrainingMaps(), SEED, network, each).choices[0]["places"][0] for each in (POCKETS, path))
+    assert not np.array_equal(shipped, zeros)
+    assert sorted(shipped[:, 0]) == sorted(zeros[:, 0])
+    assert TrainingConfig().pocket_path == POCKETS
+    with pytest.raises(ValueError, match="expected a safetensors file, found none"):
+        TrainingConfig(pocket_weights=str(tmp_path / "none"))
 
 
 def test_the_weights_of_the_later_rounds_are_averaged(tmp_path: Path) -> None:
