@@ -24,9 +24,6 @@ class CameraPaths(ExploringWith):
     doi:10.1109/LRA.2021.3051563; on a grid a UAV cannot choose its yaw apart from its path. Where the lidar sees all
     around, UAVs fly as the explorer.
 
-    By default that is ``frontier-predictive`` with parameters for a narrow view: it changes its goal less easily, and
-    prefers what is near.
-
     Raises:
         InputError: the sensor's view is limited, and the explorer does not fly to goals, as the planners of frontiers,
             samples and swarms and ``dddqn-places`` do.
@@ -35,8 +32,8 @@ class CameraPaths(ExploringWith):
 
     plans_for: ClassVar[str] = ALL_CELLS
 
-    explorer: str = "frontier-predictive(switch_cost=1.5,discount_rate=4.0,isolation=2.0,latency=32.0,worth=1.2)"
-    """Registry name of the policy that chooses the goals, with parameters in parentheses if need be."""
+    explorer: str = "frontier-predictive"
+    """Registry name of the policy that chooses the goals, with its parameters in parentheses if there are any."""
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV: the explorer's, with another choice of moves."""
