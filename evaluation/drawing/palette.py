@@ -28,7 +28,7 @@ GREY = 6
 #: The shipped policies by the index of their colour; those that are often compared differ in it.
 SHIPPED = {
     0: ("frontier", "frontier-joint", "rrt-nbv", "frontier-hungarian", "sgba"),
-    1: ("frontier-nearest", "frontier-burgard", "hedac", "frontier-mrtsp", "cover-tour"),
+    1: ("frontier-nearest", "frontier-burgard", "hedac", "frontier-mrtsp", "cover-tour", "frontier-octree"),
     2: ("dddqn", "dddqn-places", "pomdp", "prior-tour", "return-to-base", "dddqn-reports"),
     3: ("pso", "frontier-advantage", "pso-robots", "prm-tour", "rrt-predictive", "level-by-level"),
     4: ("rrt", "rrt-aep", "aco", "frontier-tour", "dddqn-thesis", "attention-sac"),

@@ -52,6 +52,7 @@ SLOW_CONFORMANCE = [
     "gso",
     "level-by-level",
     "frontier-mrtsp",
+    "frontier-octree",
     "frontier-advantage",
     "frontier-tour",
     "frontier-minpos",
