@@ -34,11 +34,11 @@ REAL_MAP = Path(__file__).resolve().parents[3] / "shared" / "maps" / "slam" / "S
 AS_FRONTIER = ["return-to-base", "prior-tour", "loop-closing"]
 #: Policies that fly as others do, by the estimates of `frontier-predictive`; `make test` flies their golden episodes.
 BY_ESTIMATES = ["pso-predictive", "rrt-predictive", "dddqn-reports", "camera-paths"]
-every_explorer = parametrized(EXPLORERS, slow=[*AS_FRONTIER, *BY_ESTIMATES])
+#: Policies that share all but a score or an order with another one; `make test` flies their golden episodes, too.
+SIBLINGS = ["frontier-mrtsp", "frontier-octree", "frontier-hungarian", "frontier-advantage", "prm-tour", "cover-tour"]
+every_explorer = parametrized(EXPLORERS, slow=[*AS_FRONTIER, *BY_ESTIMATES, *SIBLINGS])
 #: Policies whose decisions take longest, and those that decide much as another one does.
 SLOW_CONFORMANCE = [
-    "prm-tour",
-    "cover-tour",
     "rrt-aep",
     "rrt-frontier",
     "rrt-nbv",
@@ -51,15 +51,12 @@ SLOW_CONFORMANCE = [
     "bat",
     "gso",
     "level-by-level",
-    "frontier-mrtsp",
-    "frontier-octree",
-    "frontier-advantage",
     "frontier-tour",
     "frontier-minpos",
-    "frontier-hungarian",
     "frontier-utility",
     *AS_FRONTIER,
     *BY_ESTIMATES,
+    *SIBLINGS,
 ]
 #: Those that fly the failure modes apart, as `make test` does not fly them through the conformance suite; those whose
 #: decisions take longest, and others with other radios, do so in `make test-all`.
@@ -88,7 +85,7 @@ def test_it_passes_the_conformance_suite(name):
     assert name in UNRELIABLE or found["failure modes"].startswith("all 9 finished")
 
 
-@with_rows(EXPLORERS, ROWS, slow=["prm-tour", "cover-tour", "pomdp", *AS_FRONTIER, *BY_ESTIMATES])
+@with_rows(EXPLORERS, ROWS, slow=["pomdp", *AS_FRONTIER, *BY_ESTIMATES, *SIBLINGS])
 def test_it_explores_all_with_any_team_radio_and_lidar(name: str, row: dict[str, Any], map_files: Path) -> None:
     settings = {
         **RADIOS[row["radio"]],
