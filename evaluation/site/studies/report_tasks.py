@@ -5,13 +5,15 @@
 flies 100 tasks, drawn as those of the training of ``dddqn-reports`` but by other seeds, in two processes, and prints in
 Markdown the mean coverage of the base, the share of tasks in which it knew 99 % at the deadline, and the learner's
 points (:mod:`indoor_explorers.learners.reports.flights`) beyond each rule's, with intervals over tasks. A second number
-is the first task.
+is the first task; paths after it are folders of other trainings of the learner, which fly as well.
 """
 
 from __future__ import annotations
 
 import multiprocessing
 import sys
+from collections.abc import Sequence
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -56,18 +58,19 @@ class Flown(NamedTuple):
         return POINTS * self.coverage - points_lost(self.last, LATE_COST)
 
 
-def policies() -> dict[str, Policy]:
-    """Return the rules and the learner by name."""
+def policies(trainings: Sequence[str] = ()) -> dict[str, Policy]:
+    """Return the rules, the learner of other trainings' folders, and the learner that ships, by name."""
     rules = {name: make_policy("return-to-base", explorer=EXPLORER, **given) for name, given in RULES.items()}
-    return rules | {LEARNED: make_policy(LEARNED, explorer=EXPLORER)}
+    others = {path: make_policy(f"{LEARNED}:{path}", explorer=EXPLORER) for path in trainings}
+    return rules | others | {LEARNED: make_policy(LEARNED, explorer=EXPLORER)}
 
 
-def flown(seed: int) -> dict[str, Flown]:
+def flown(seed: int, trainings: Sequence[str] = ()) -> dict[str, Flown]:
     """Return the flights of all policies over the task of a seed."""
     plan, settings = task(TrainingMaps(), np.random.default_rng([seed, STREAM]))
     scenario, where = on_files(("map",), None).with_settings(settings).for_evaluation(), Task("drawn", 0, seed)
     found = {}
-    for name, policy in policies().items():
+    for name, policy in policies(trainings).items():
         (record,) = fly(policy, name, scenario, [where], bounds={where: 0}, floorplans={where: plan})
         found[name] = Flown(float(record.metrics["auc_base"] or 0.0), float(record.curve[-1]))
     return found
@@ -88,12 +91,12 @@ def table(flights: list[dict[str, Flown]]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def main(count: int, first: int = 0) -> None:
+def main(count: int, first: int = 0, trainings: Sequence[str] = ()) -> None:
     """Fly ``count`` tasks and print the table."""
     seeds = range(FIRST + first, FIRST + first + count)
     with multiprocessing.get_context("spawn").Pool(2) as pool:
-        sys.stdout.write(table(list(pool.imap(flown, seeds))))
+        sys.stdout.write(table(list(pool.imap(partial(flown, trainings=trainings), seeds))))
 
 
 if __name__ == "__main__":
-    main(*map(int, sys.argv[1:]))
+    main(*map(int, sys.argv[1:3]), trainings=sys.argv[3:])

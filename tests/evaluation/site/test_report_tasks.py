@@ -1,5 +1,7 @@
 """The study of reports on drawn tasks: its points, and its table."""
 
+from importlib.resources import files
+
 from indoor_explorers.evaluation.site.studies.report_tasks import LEARNED, Flown, policies, table
 
 
@@ -23,3 +25,9 @@ def test_the_learner_is_compared_with_each_rule_on_the_same_tasks():
 
 def test_the_rules_are_those_of_one_explorer():
     assert {policy.explorer for policy in policies().values()} == {"frontier-predictive"}
+
+
+def test_other_trainings_of_the_learner_fly_beside_the_one_that_ships():
+    shipped = files("indoor_explorers.learners.reports").joinpath("weights", "reports.safetensors")
+    assert list(policies([str(shipped)]))[-2:] == [str(shipped), LEARNED]
+    assert policies([str(shipped)])[str(shipped)].provenance() == policies()[LEARNED].provenance()
