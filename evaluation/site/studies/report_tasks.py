@@ -99,4 +99,4 @@ def main(count: int, first: int = 0, trainings: Sequence[str] = ()) -> None:
 
 
 if __name__ == "__main__":
-    main(*map(int, sys.argv[1:3]), trainings=sys.argv[3:])
+    main(int(sys.argv[1]), int(sys.argv[2]) if len(sys.argv) > 2 else 0, sys.argv[3:])
