@@ -434,6 +434,8 @@ def test_outputs_that_cannot_be_written_are_one_line(capsys, tmp_path):
 
 
 def test_commas_in_parentheses_separate_no_names():
+    nested = 'camera-paths(explorer="frontier(goal_bonus=1.0,switch_cost=2.0)")'
+    assert read_names(f"{nested},pso") == [nested, "pso"]
     assert read_names('pso(length=1,goal_bonus=0.1), dddqn,"a, b(c, d)",x') == [
         "pso(length=1,goal_bonus=0.1)",
         "dddqn",
