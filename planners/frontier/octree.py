@@ -27,15 +27,16 @@ class FrontierOctree(SwitchCostParameters, Policy):
     autonomous exploration with an MAV", ICRA 2020, doi:10.1109/ICRA40945.2020.9196707: the blocks of the map's octree
     group the frontier voxels, so that nothing is clustered, and a view's utility is the entropy that it removes,
     divided by the time to get there. Here an unknown cell has an entropy of one and a known one of none, each block's
-    cell nearest to a UAV stands for it, and paths are known ones. On one level the octree is a quadtree. Teams take the
-    blocks in turn as in :mod:`indoor_explorers.planners.frontier.burgard`.
+    cell nearest to a UAV stands for it, and paths are known ones. There a UAV plans again once it has arrived; here it
+    may do so before, at a high switch cost. On one level the octree is a quadtree. Teams take the blocks in turn as in
+    :mod:`indoor_explorers.planners.frontier.burgard`.
     """
 
     plans_for: ClassVar[str] = ALL_CELLS
 
     block: float = bounded(0.5, least=0, tunable=(0.1, 2.0, "log"))
     """Side of a block in lidar ranges; the nearest power of two in cells is taken, at least one cell."""
-    switch_cost: float = 0.5
+    switch_cost: float = 2.0
     weight: float = bounded(4.0, least=0, tunable=(0.3, 16.0, "log"))
     """A block at a place that another UAV has taken counts as this many lidar ranges farther."""
     reach: float = bounded(1.0, least=0, tunable=(0.25, 4.0, "log"))
