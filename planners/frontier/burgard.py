@@ -20,9 +20,20 @@ from indoor_explorers.planners.frontier.group_pilot import ClusterChoices, Group
 from indoor_explorers.planners.toolbox.parameters import SwitchCostParameters, bounded
 
 
+@dataclass(frozen=True, kw_only=True)
+class SequentialParameters(SwitchCostParameters):
+    """How UAVs keep their clusters, and keep away from those that others have taken in turn."""
+
+    switch_cost: float = 0.5
+    weight: float = bounded(4.0, least=0, tunable=(0.3, 16.0, "log"))
+    """A cluster at a place that another UAV has taken counts as this many lidar ranges farther (paper: beta)."""
+    reach: float = bounded(1.0, least=0, tunable=(0.25, 4.0, "log"))
+    """Distance up to which a taken cluster adds to the cost of others, in lidar ranges."""
+
+
 @renamed(hold="switch_cost")
 @dataclass(frozen=True, kw_only=True)
-class FrontierBurgard(SwitchCostParameters, Policy):
+class FrontierBurgard(SequentialParameters, Policy):
     """Assign the best pair of UAV and frontier cluster, lower the utility of clusters in its view, and repeat.
 
     W. Burgard, M. Moors, C. Stachniss, F. E. Schneider, "Coordinated multi-robot exploration", IEEE T-RO 21(3),
@@ -34,10 +45,6 @@ class FrontierBurgard(SwitchCostParameters, Policy):
     plans_for: ClassVar[str] = ALL_CELLS
 
     switch_cost: float = 1.0
-    weight: float = bounded(4.0, least=0, tunable=(0.3, 16.0, "log"))
-    """Utility of a cluster in lidar ranges of path; a cluster in a taken one's place loses all of it (paper: beta)."""
-    reach: float = bounded(1.0, least=0, tunable=(0.25, 4.0, "log"))
-    """Distance up to which a taken cluster lowers the utility of others, in lidar ranges."""
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""

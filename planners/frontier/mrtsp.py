@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.planners.frontier.burgard import SequentialPilot
+from indoor_explorers.planners.frontier.burgard import SequentialParameters, SequentialPilot
 from indoor_explorers.planners.frontier.group_pilot import ClusterChoices
-from indoor_explorers.planners.toolbox.parameters import SwitchCostParameters, bounded
+from indoor_explorers.planners.toolbox.parameters import bounded
 
 
 @dataclass(frozen=True, kw_only=True)
-class FrontierMrtsp(SwitchCostParameters, Policy):
+class FrontierMrtsp(SequentialParameters, Policy):
     """Fly to the frontier cluster that comes first in a greedy minimum-ratio travelling salesman tour.
 
     The ratio of a cluster is its path cost, d + 2 v - R, by its number of cells: d the steps to its nearest cell, v the
@@ -31,13 +31,8 @@ class FrontierMrtsp(SwitchCostParameters, Policy):
 
     plans_for: ClassVar[str] = ALL_CELLS
 
-    switch_cost: float = 0.5
     start_weight: float = bounded(1.0, least=0, tunable=(0.1, 10.0, "log"))
     """Weight of the first cluster's steps or quarter turns."""
-    weight: float = bounded(4.0, least=0, tunable=(0.3, 16.0, "log"))
-    """A cluster at a place that another UAV has taken counts as this many lidar ranges farther."""
-    reach: float = bounded(1.0, least=0, tunable=(0.25, 4.0, "log"))
-    """Distance up to which a taken cluster adds to the cost of others, in lidar ranges."""
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""

@@ -12,15 +12,15 @@ from numpy.typing import NDArray
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.search.frontiers import frontier_mask
-from indoor_explorers.planners.frontier.burgard import SequentialPilot
+from indoor_explorers.planners.frontier.burgard import SequentialParameters, SequentialPilot
 from indoor_explorers.planners.frontier.group_pilot import ClusterChoices
 from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters
 from indoor_explorers.planners.toolbox.information.view_gain import unclaimed_gains
-from indoor_explorers.planners.toolbox.parameters import SwitchCostParameters, bounded
+from indoor_explorers.planners.toolbox.parameters import bounded
 
 
 @dataclass(frozen=True, kw_only=True)
-class FrontierOctree(SwitchCostParameters, Policy):
+class FrontierOctree(SequentialParameters, Policy):
     """Fly to the octree block of frontier cells with the most unknown cells in view for each step of the path.
 
     Source: A. Dai, S. Papatheodorou, N. Funk, D. Tzoumanikas, S. Leutenegger, "Fast frontier-based information-driven
@@ -37,10 +37,6 @@ class FrontierOctree(SwitchCostParameters, Policy):
     block: float = bounded(0.5, least=0, tunable=(0.1, 2.0, "log"))
     """Side of a block in lidar ranges; the nearest power of two in cells is taken, at least one cell."""
     switch_cost: float = 2.0
-    weight: float = bounded(4.0, least=0, tunable=(0.3, 16.0, "log"))
-    """A block at a place that another UAV has taken counts as this many lidar ranges farther."""
-    reach: float = bounded(1.0, least=0, tunable=(0.25, 4.0, "log"))
-    """Distance up to which a taken block adds to the cost of others, in lidar ranges."""
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""

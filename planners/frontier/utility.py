@@ -12,10 +12,10 @@ from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.planners.frontier.burgard import SequentialPilot
+from indoor_explorers.planners.frontier.burgard import SequentialParameters, SequentialPilot
 from indoor_explorers.planners.frontier.group_pilot import ClusterChoices
 from indoor_explorers.planners.toolbox.information.view_gain import unclaimed_gains
-from indoor_explorers.planners.toolbox.parameters import SwitchCostParameters, bounded, one_of
+from indoor_explorers.planners.toolbox.parameters import bounded, one_of
 
 #: How gain and cost are combined to a score.
 Form = Literal["size", "difference", "discounted"]
@@ -23,7 +23,7 @@ Form = Literal["size", "difference", "discounted"]
 
 @renamed(hold="switch_cost")
 @dataclass(frozen=True, kw_only=True)
-class FrontierUtility(SwitchCostParameters, Policy):
+class FrontierUtility(SequentialParameters, Policy):
     """Fly to the frontier cluster with the best score of gain against path length d; R is the lidar range.
 
     ``size`` is s - c d, s the cluster's number of cells: explore_lite's rule (J. Hörner, "Map-merging for multi-robot
@@ -39,11 +39,6 @@ class FrontierUtility(SwitchCostParameters, Policy):
     """Form of the score: ``size``, ``difference`` or ``discounted``."""
     cost: float = bounded(3.0, least=0, tunable=(0.3, 30.0, "log"))
     """Weight c of the path length in the form; 3 suits all three."""
-    switch_cost: float = 0.5
-    weight: float = bounded(4.0, least=0, tunable=(0.3, 16.0, "log"))
-    """A cluster at a place that another UAV has taken counts as this many lidar ranges farther."""
-    reach: float = bounded(1.0, least=0, tunable=(0.25, 4.0, "log"))
-    """Distance up to which a taken cluster adds to the cost of others, in lidar ranges."""
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""
