@@ -30,10 +30,7 @@ from indoor_explorers.learners.pockets.maps import TrainingMaps, map_record
 from indoor_explorers.learners.sessions.session import Session
 from indoor_explorers.learners.sessions.tensorboard import Scalars
 from indoor_explorers.learners.sessions.train import TrainingMethod
-from indoor_explorers.planners.toolbox.networks.weights_file import weights_path
-from indoor_explorers.planners.toolbox.pockets.estimates import NAME as POCKET_NAME
-from indoor_explorers.planners.toolbox.pockets.estimates import SHIPPED as POCKETS
-from indoor_explorers.planners.toolbox.pockets.estimates import load_weights as load_pockets
+from indoor_explorers.planners.toolbox.pockets.estimates import load_weights, pocket_path
 
 __all__ = ["DEFAULT_SCENARIO", "SCALING", "SCALING_AXES", "TrainingConfig", "flown", "train"]
 
@@ -58,13 +55,8 @@ class TrainingConfig(RoundSettings):
     @field_validator("pocket_weights")
     @classmethod
     def _are_estimates(cls, given: str | None) -> str | None:
-        load_pockets(weights_path(given, POCKETS, POCKET_NAME))
+        load_weights(pocket_path(given))
         return given
-
-    @property
-    def pocket_path(self) -> Path:
-        """The path of the weights of the estimates."""
-        return weights_path(self.pocket_weights, POCKETS, POCKET_NAME).absolute()
 
 
 def fly_seeds(maps: TrainingMaps, loaded: Loaded, pocket_weights: Path, path: Path, seeds: range) -> None:
@@ -84,7 +76,7 @@ class PlacesTraining(RoundsTraining[TrainingConfig, NetworkWeights]):
 
     def flying(self) -> Callable[[Path, range], None]:
         """Return the function that flies the latest network."""
-        return partial(fly_seeds, self.maps, self._loaded(self.networks[-1]), self.config.pocket_path)
+        return partial(fly_seeds, self.maps, self._loaded(self.networks[-1]), pocket_path(self.config.pocket_weights))
 
     def learned(self, paths: Sequence[Path]) -> tuple[NetworkWeights, dict[str, int | float]]:
         """Return the next network, and figures of the round."""

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters
-from indoor_explorers.planners.toolbox.networks.weights_file import read_once, read_weights_file
+from indoor_explorers.planners.toolbox.networks.weights_file import read_once, read_weights_file, weights_path
 from indoor_explorers.planners.toolbox.pockets.features import COARSE_LAYERS, SIDE, pictures
 from indoor_explorers.planners.toolbox.pockets.network import (
     OUTPUTS,
@@ -64,6 +64,11 @@ def estimates_from(found: NDArray[np.float32]) -> PocketEstimates:
     tails = np.minimum.accumulate(tails, axis=1)
     depths = np.expm1(np.clip(found[:, -1], 0.0, 10.0).astype(np.float64))
     return PocketEstimates(tails, tails @ _MEAN, depths)
+
+
+def pocket_path(given: str | None) -> Path:
+    """Return the path of weights: ``given``, or the file in it if it is a training's folder; None: the shipped ones."""
+    return weights_path(given, SHIPPED, NAME)
 
 
 @read_once

@@ -18,9 +18,8 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import Distances, Mask
 from indoor_explorers.env.policies.view import Briefing
 from indoor_explorers.env.provenance import record_of, recorded_maps
-from indoor_explorers.planners.toolbox.networks.weights_file import weights_path
 from indoor_explorers.planners.toolbox.parameters import Parameters, bounded
-from indoor_explorers.planners.toolbox.pockets.estimates import NAME, SHIPPED, PocketEstimates, load_weights
+from indoor_explorers.planners.toolbox.pockets.estimates import PocketEstimates, load_weights, pocket_path
 from indoor_explorers.planners.toolbox.pockets.network import THRESHOLDS
 
 
@@ -43,7 +42,7 @@ class EstimateUser(Parameters):
     @property
     def pocket_path(self) -> Path:
         """The path of the weights of the estimates."""
-        return weights_path(self.pocket_weights, SHIPPED, NAME)
+        return pocket_path(self.pocket_weights)
 
     def provenance(self) -> dict[str, str]:
         """Return a hash of the estimates' weights."""

@@ -29,6 +29,7 @@ from indoor_explorers.learners.pockets.maps import TrainingMaps
 from indoor_explorers.learners.sessions.session import Progress
 from indoor_explorers.planners.toolbox.networks.tensors import read_tensors, write_tensors
 from indoor_explorers.planners.toolbox.pockets.estimates import SHIPPED as POCKETS
+from indoor_explorers.planners.toolbox.pockets.estimates import pocket_path
 from tests.learners.places.small import random_choices, world_on_a_floor
 from tests.learners.places.test_scene import pilot_of
 
@@ -148,7 +149,7 @@ def test_flights_see_the_estimates_of_the_weights_that_are_named(tmp_path: Path)
     """With weights of zeros other estimates are seen, and the places of the first scene are the same."""
     for name in ("pockets.safetensors", "pockets.json"):
         (tmp_path / name).write_bytes((POCKETS.parent / name).read_bytes())
-    path = TrainingConfig(pocket_weights=str(tmp_path)).pocket_path
+    path = pocket_path(TrainingConfig(pocket_weights=str(tmp_path)).pocket_weights)
     assert path == tmp_path / POCKETS.name
     arrays, about = read_tensors(path)
     write_tensors(path, {name: np.zeros_like(array) for name, array in arrays.items()}, about)
@@ -156,7 +157,7 @@ def test_flights_see_the_estimates_of_the_weights_that_are_named(tmp_path: Path)
     shipped, zeros = (fly(TrainingMaps(), SEED, network, each).choices[0]["places"][0] for each in (POCKETS, path))
     assert not np.array_equal(shipped, zeros)
     assert sorted(shipped[:, 0]) == sorted(zeros[:, 0])
-    assert TrainingConfig().pocket_path == POCKETS
+    assert pocket_path(TrainingConfig().pocket_weights) == POCKETS
     with pytest.raises(ValueError, match="expected a safetensors file, found none"):
         TrainingConfig(pocket_weights=str(tmp_path / "none"))
 
