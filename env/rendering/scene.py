@@ -14,6 +14,7 @@ from indoor_explorers.env.grid.cells import MOVES
 from indoor_explorers.env.grid.levels import Levels
 from indoor_explorers.env.policies.explanation import Explanation
 from indoor_explorers.env.rendering.level_grid import LevelGrid
+from indoor_explorers.env.sensing.field_of_view import least_cosine
 from indoor_explorers.env.sensing.lidar import LidarModel, lidar_model, new_scan, visible_cells
 from indoor_explorers.env.simulation.custom_models import custom_scan
 from indoor_explorers.env.simulation.state import End
@@ -214,9 +215,10 @@ def _seen_from(truth: NDArray[np.uint8], row: int, col: int, lidar: LidarModel) 
 def _is_ahead(shape: tuple[int, ...], cell: tuple[int, int], heading: int, degrees: float) -> Mask:
     """Return the (H, W) mask of the cells in a field of view of ``degrees``, which includes all neighbours."""
     rows, cols = np.indices(shape) - np.reshape(cell, (2, 1, 1))
-    cosine = np.cos(np.radians(degrees / 2)) - 1e-9
     near = np.maximum(abs(rows), abs(cols)) <= 1
-    return np.asarray(near | (rows * MOVES[heading, 0] + cols * MOVES[heading, 1] >= cosine * np.hypot(rows, cols)))
+    return np.asarray(
+        near | (rows * MOVES[heading, 0] + cols * MOVES[heading, 1] >= least_cosine(degrees) * np.hypot(rows, cols))
+    )
 
 
 def _heard(world: World, episode: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

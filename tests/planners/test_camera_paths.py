@@ -11,7 +11,7 @@ from indoor_explorers.env.sensing.lidar import lidar_model
 from indoor_explorers.planners.camera_paths import CameraPaths
 from indoor_explorers.planners.toolbox.navigation.camera_moves import CameraMoves, move_gains
 from indoor_explorers.planners.toolbox.navigation.navigator import Navigator
-from indoor_explorers.planners.toolbox.navigation.paths import Paths
+from indoor_explorers.planners.toolbox.navigation.paths import Paths, map_stamp
 from tests.planners.flights import fly_preset
 
 NARROW = {"lidar.field_of_view": 90}
@@ -44,7 +44,7 @@ def paths_to(goal, cell, belief, view, briefing):
     moves, paths, flown = CameraMoves(briefing), Paths(belief.shape), [cell]
     while flown[-1] != goal:
         now = view._replace(cell=flown[-1], belief=belief, legal=legal_on(belief, flown[-1]))
-        flown.append(moves.next_cell(now, paths.to(belief, flown[-1], goal)))
+        flown.append(moves.next_cell(now, paths.to(belief, flown[-1], goal), map_stamp(now)))
     return flown
 
 
@@ -75,10 +75,11 @@ def test_it_faces_the_unknown_on_the_way():
     view = world.view(0, 0)._replace(cell=(8, 8), belief=belief, legal=legal_on(belief, (8, 8)))
     moves = CameraMoves(world.briefing(0, 0))
     down_first = [(8, 8), (9, 8), (9, 9)]
-    assert moves.next_cell(view, down_first) == (8, 9)
-    assert moves.next_cell(view._replace(belief=np.full_like(belief, FREE)), down_first) == (9, 8)
+    assert moves.next_cell(view, down_first, map_stamp(view)) == (8, 9)
+    known = view._replace(belief=np.full_like(belief, FREE))
+    assert moves.next_cell(known, down_first, map_stamp(known)) == (9, 8)
     detour = [(8, 8), (7, 8), (7, 9), (8, 9), (9, 9)]
-    assert moves.next_cell(view, detour) == (7, 8)
+    assert moves.next_cell(view, detour, map_stamp(view)) == (7, 8)
 
 
 def test_a_teammate_is_not_flown_into():
@@ -89,7 +90,8 @@ def test_a_teammate_is_not_flown_into():
     view = world.view(0, 0)._replace(cell=(8, 8), belief=belief, legal=legal_on(belief, (8, 8)))
     mate = view.mates[0]._replace(cell=(8, 9), age=0)
     moves = CameraMoves(world.briefing(0, 0))
-    assert moves.next_cell(view._replace(mates=(mate,)), [(8, 8), (9, 8), (9, 9)]) == (9, 8)
+    path = [(8, 8), (9, 8), (9, 9)]
+    assert moves.next_cell(view._replace(mates=(mate,)), path, map_stamp(view)) == (9, 8)
 
 
 @pytest.mark.parametrize("explorer", ["frontier", "rrt", "dddqn-places"])

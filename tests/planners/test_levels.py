@@ -9,16 +9,8 @@ from tests.planners.flights import fly_preset
 TASK = scenario("small-storeys").for_evaluation()
 CHANGE = (
     *("frontier-nearest", "frontier-utility", "frontier-burgard", "frontier-hungarian", "frontier-minpos"),
-    *(
-        "frontier-mrtsp",
-        "frontier-octree",
-        "frontier-tour",
-        "frontier-advantage",
-        "frontier-latency",
-        "frontier",
-        "frontier-predictive",
-    ),
-    *("pso", "pso-predictive", "bat", "gso", "aco", "hedac"),
+    *("frontier-mrtsp", "frontier-octree", "frontier-tour", "frontier-advantage", "frontier-latency", "frontier"),
+    *("frontier-predictive", "pso", "pso-predictive", "bat", "gso", "aco", "hedac"),
     *("rrt", "rrt-nbv", "rrt-frontier", "rrt-predictive", "prm-tour", "cover-tour"),
     *("dddqn-places", "dddqn", "horizon", "reference"),
 )

@@ -16,6 +16,7 @@ import numpy as np
 from indoor_explorers.env.grid.cells import FREE, MOVES, OCCUPIED
 from indoor_explorers.env.grid.compiled import inner, leaf
 from indoor_explorers.env.grid.randomness import draw, uniform
+from indoor_explorers.env.sensing.field_of_view import is_in_view
 from indoor_explorers.env.sensing.inverse_model import CERTAIN, HIT, PASS
 from indoor_explorers.env.sensing.lidar import visible_cells
 from indoor_explorers.env.simulation.slam.state import ErrorRules, Readings, Slam, SlamParts
@@ -42,15 +43,6 @@ def _distort(
             errs = chance > 0.0 and uniform(key, r * width + c) < chance
             out[r, c] = (OCCUPIED if truth[r, c] == FREE else FREE) if errs else truth[r, c]
     out[row, col] = FREE
-
-
-@inner()
-def _is_in_view(rules: ErrorRules, heading: int, rows: int, cols: int) -> bool:
-    """Tell whether a cell that many rows and columns away is a neighbour or in the field of view."""
-    if max(abs(rows), abs(cols)) <= 1 or rules.least_cosine < -1.0:
-        return True
-    ahead = rows * MOVES[heading, 0] + cols * MOVES[heading, 1]
-    return bool(ahead >= rules.least_cosine * sqrt(rows * rows + cols * cols))
 
 
 @inner()
@@ -107,7 +99,7 @@ def read_scan(parts: SlamParts, b: int, agent: int, number: int) -> int:
     for k in range(1, visible_cells(occupancy, row, col, lidar, parts.work.scan)):
         cell = parts.work.scan.cells[k]
         r, c = cell // width, cell % width
-        if cell == own or not _is_in_view(rules, heading, r - row, c - col):
+        if cell == own or not is_in_view(rules.least_cosine, heading, r - row, c - col):
             continue
         if occupancy[r, c] != OCCUPIED:
             count = _note(readings, count, cell, PASS)

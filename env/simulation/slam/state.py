@@ -6,7 +6,6 @@ with a home base; T scans of one agent, one for each step and one for the start.
 
 from __future__ import annotations
 
-from math import cos, radians
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -14,12 +13,10 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import allocated
 from indoor_explorers.env.scenarios.scenario import LEAST_BUDGET, Scenario
+from indoor_explorers.env.sensing.field_of_view import least_cosine
 from indoor_explorers.env.sensing.lidar import LidarModel
 from indoor_explorers.env.simulation.engine import Work
 from indoor_explorers.env.simulation.state import Rules, State
-
-#: Field of view without a limit.
-ALL_AROUND = 360.0
 
 
 class ErrorRules(NamedTuple):
@@ -98,12 +95,11 @@ class SlamParts(NamedTuple):
 
 def error_rules_of(scenario: Scenario) -> ErrorRules:
     """Translate a scenario."""
-    view = scenario.lidar.field_of_view
     return ErrorRules(
         misses=scenario.noise.misses,
         false_returns=scenario.noise.false_returns,
         range_std=scenario.noise.range_std,
-        least_cosine=-2.0 if view >= ALL_AROUND else cos(radians(view / 2)) - 1e-9,
+        least_cosine=least_cosine(scenario.lidar.field_of_view),
         drift=scenario.drift.rate,
         closures=scenario.drift.closures,
         closure_gap=scenario.drift.closure_gap,

@@ -6,8 +6,6 @@ shows another part of the map. So a UAV can look around without flying farther.
 
 from __future__ import annotations
 
-from math import cos, radians, sqrt
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,18 +13,18 @@ from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.grid.cells import MOVES, UNKNOWN
 from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.env.sensing.field_of_view import is_in_view, least_cosine
 from indoor_explorers.env.sensing.lidar import LidarModel, lidar_model, new_scan, visible_cells
-from indoor_explorers.planners.toolbox.navigation.paths import Paths, map_stamp
+from indoor_explorers.planners.toolbox.navigation.paths import Paths
 
 
 @kernel()
 def move_gains(
-    belief: np.ndarray, row: int, col: int, moves: np.ndarray, lidar: LidarModel, least_cosine: float
+    belief: np.ndarray, row: int, col: int, moves: np.ndarray, lidar: LidarModel, cosine: float
 ) -> np.ndarray:
     """Return the unknown cells of a (H, W) belief that are in view after each of (K,) moves from a cell, (K,) int64.
 
-    Unknown cells are transparent. ``least_cosine`` is that of half the field of view; the eight neighbours are always
-    in view.
+    Unknown cells are transparent. ``cosine`` is the :func:`~indoor_explorers.env.sensing.field_of_view.least_cosine`.
     """
     width = belief.shape[1]
     scan = new_scan(lidar)
@@ -36,10 +34,7 @@ def move_gains(
         for place in range(visible_cells(belief, row + down, col + right, lidar, scan)):
             r, c = divmod(scan.cells[place], width)
             if belief[r, c] == UNKNOWN:
-                rows, cols = r - row - down, c - col - right
-                ahead = rows * down + cols * right
-                near = max(abs(rows), abs(cols)) <= 1
-                gains[k] += near or ahead >= least_cosine * sqrt(rows * rows + cols * cols)
+                gains[k] += is_in_view(cosine, moves[k], r - row - down, c - col - right)
     return gains
 
 
@@ -48,17 +43,17 @@ class CameraMoves:
 
     def __init__(self, briefing: Briefing) -> None:
         self._lidar = lidar_model(float(briefing.lidar_range))
-        self._least_cosine = cos(radians(briefing.scenario.lidar.field_of_view / 2)) - 1e-9
+        self._cosine = least_cosine(briefing.scenario.lidar.field_of_view)
         self._paths = Paths(briefing.shape)
         self._field: tuple[Cell, int, NDArray[np.int32]] | None = None
 
-    def next_cell(self, view: View, path: list[Cell]) -> Cell:
+    def next_cell(self, view: View, path: list[Cell], stamp: int) -> Cell:
         """Return the cell to fly to next on a shortest path to the end of ``path``, which begins at the UAV's cell.
 
         It is the one with the largest gain, and among equals that of ``path``. A path that is no shortest one, such
-        as a detour around a teammate, is followed as it is.
+        as a detour around a teammate, is followed as it is. ``stamp`` is the map's :func:`~.paths.map_stamp`.
         """
-        steps = self._steps_to(view, path[-1])
+        steps = self._steps_to(view, path[-1], stamp)
         if steps[view.cell] != len(path) - 1:
             return path[1]
         row, col = view.cell
@@ -70,15 +65,12 @@ class CameraMoves:
         ]
         if len(moves) < 2:
             return path[1]
-        gains = move_gains(
-            view.belief, row, col, np.array([move for move, _ in moves]), self._lidar, self._least_cosine
-        )
+        gains = move_gains(view.belief, row, col, np.array([move for move, _ in moves]), self._lidar, self._cosine)
         ranked = [(int(gain), cell == path[1], cell) for gain, (_, cell) in zip(gains, moves, strict=True)]
         return max(ranked)[2]
 
-    def _steps_to(self, view: View, goal: Cell) -> NDArray[np.int32]:
+    def _steps_to(self, view: View, goal: Cell, stamp: int) -> NDArray[np.int32]:
         """Return the (H, W) steps to a goal through known free cells; kept while neither goal nor map change."""
-        stamp = map_stamp(view)
         if self._field is None or self._field[:2] != (goal, stamp):
             self._field = goal, stamp, self._paths.field(view.belief, goal)
         return self._field[2]

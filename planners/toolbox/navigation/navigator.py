@@ -166,7 +166,7 @@ class Navigator:
         left = self.path
         if len(left) < 2:
             return view.cell
-        return left[1] if self.camera is None else self.camera.next_cell(view, left)
+        return left[1] if self.camera is None else self.camera.next_cell(view, left, self.known)
 
     def next_action(self, view: View) -> int:
         """Return the next move along the path, or along a retreat from a teammate in the way."""
