@@ -3,7 +3,6 @@
 import gc
 import os
 import sys
-import time
 from pathlib import Path
 
 import networkx as nx
@@ -18,6 +17,7 @@ from indoor_explorers.planners.peers import dare_expert, dare_expert_script
 from indoor_explorers.planners.peers.dare_expert import IN_CLONE, PYTHON, DareExpert
 from indoor_explorers.planners.toolbox.peers.process import Need
 from tests.planners.peers.fake_dare import write_clone
+from tests.processes import runs, wait_until
 
 ROOM = PRESETS["thesis-open"].for_evaluation()
 #: A clone of DARE, whose interpreter DARE_PYTHON names.
@@ -41,13 +41,6 @@ def flown(policy: Policy, scenario=ROOM, seeds=(500,)) -> list[Record]:
 
 def length(one, other) -> float:
     return float(np.hypot(*np.subtract(one, other)))
-
-
-def runs(pid: int) -> bool:
-    try:
-        return Path(f"/proc/{pid}/stat").read_bytes().rpartition(b")")[2].split()[0] not in (b"Z", b"X")
-    except FileNotFoundError:
-        return False
 
 
 @pytest.mark.slow
@@ -107,10 +100,7 @@ def test_a_process_that_fails_costs_its_own_episode(clone: Path, ending: str, to
     assert failed.startswith(f"PeerFailure: the process of DARE {told}")
     assert "\n" not in failed
     gc.collect()
-    until = time.monotonic() + 10
-    while any(left := [runs(int(file.stem)) for file in clone.glob("*.pid")]) and time.monotonic() < until:
-        time.sleep(0.02)
-    assert not any(left)
+    wait_until(lambda: not any(runs(int(file.stem)) for file in clone.glob("*.pid")))
 
 
 def test_a_wrong_folder_or_environment_is_told_in_one_line(clone: Path, tmp_path, monkeypatch) -> None:

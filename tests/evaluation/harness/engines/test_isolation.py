@@ -4,9 +4,7 @@ import os
 import pickle
 import signal
 import sys
-import time
 from dataclasses import dataclass, field
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -33,6 +31,7 @@ from tests.evaluation.harness.engines.limits import PATIENT
 from tests.evaluation.harness.engines.test_supervisor import TEAM, facts, job, own
 from tests.evaluation.plugins import NotesItsEnd, Raises, Searches, Wander
 from tests.marks import slow
+from tests.processes import runs, wait_until
 
 #: Settings of a task in which every field of a view tells something.
 EVERY_FIELD = {
@@ -124,20 +123,6 @@ def test_the_process_of_a_policy_ends_with_its_worker_whatever_it_does(tmp_path,
     finally:
         worker.close()
     wait_until(lambda: not runs(pid))
-
-
-def runs(pid):
-    try:
-        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    except OSError:
-        return False
-
-
-def wait_until(condition):
-    until = time.monotonic() + 30.0
-    while not condition():
-        assert time.monotonic() < until
-        time.sleep(0.02)
 
 
 @pytest.mark.slow

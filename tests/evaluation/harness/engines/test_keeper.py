@@ -2,12 +2,12 @@
 
 import subprocess
 import sys
-import time
 
 import pytest
 
 from indoor_explorers.evaluation.harness.engines.keeper import CROWDED
 from indoor_explorers.evaluation.harness.engines.process_tree import ProcessTree, process_of
+from tests.processes import wait_until
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="other systems do not tell of processes")
 
@@ -39,13 +39,6 @@ if sys.argv[1] == "is killed":
     os.kill(os.getpid(), signal.SIGKILL)
 time.sleep(60)
 """
-
-
-def wait_until(condition):
-    until = time.monotonic() + 30.0
-    while not condition():
-        assert time.monotonic() < until
-        time.sleep(0.02)
 
 
 def kept(what):

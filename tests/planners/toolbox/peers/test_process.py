@@ -13,6 +13,7 @@ import pytest
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.planners.toolbox.peers.process import Need, Peer, PeerFailure, PeerProcess
+from tests.processes import runs, wait_until
 
 #: Written in the folder of the clone, as the code of a peer.
 THEIRS = """
@@ -96,21 +97,6 @@ def process(peer: Peer):
         yield process
 
 
-def _runs(pid: int) -> bool:
-    """Return whether a process runs."""
-    try:
-        return Path(f"/proc/{pid}/stat").read_bytes().rpartition(b")")[2].split()[0] not in (b"Z", b"X")
-    except FileNotFoundError:
-        return False
-
-
-def _ends(pid: int) -> bool:
-    until = time.monotonic() + 10
-    while _runs(pid) and time.monotonic() < until:
-        time.sleep(0.02)
-    return not _runs(pid)
-
-
 def test_the_script_runs_the_code_of_the_clone_in_its_folder(process: PeerProcess, peer: Peer) -> None:
     """What the peer prints does not disturb the answers, and a large array fits both ways."""
     cells = np.arange(600_000).reshape(600, 1000)
@@ -145,7 +131,7 @@ def test_a_failure_is_one_line_and_the_next_question_finds_a_new_process(
         process.ask(question, **values)
     assert f"the process of clone {told}" in str(failed.value) or told in str(failed.value)
     assert "\n" not in str(failed.value)
-    assert _ends(first)
+    wait_until(lambda: not runs(first))
     assert process.ask("double", cells=np.ones(1))["pid"] != first
 
 
@@ -153,12 +139,12 @@ def test_a_peer_that_hangs_is_ended_with_what_it_started(peer: Peer) -> None:
     with PeerProcess(replace(peer, time_limit=0.5)) as process:
         process.start()
         child = process.ask("start_another")["pid"]
-        assert _runs(child)
+        assert runs(child)
         begun = time.monotonic()
         with pytest.raises(PeerFailure, match=r"gave no answer within 0\.5 s; it printed: loading \| started"):
             process.ask("hang")
         assert time.monotonic() - begun < 10
-        assert _ends(child)
+        wait_until(lambda: not runs(child))
 
 
 def test_a_peer_that_does_not_read_a_long_question_is_ended(peer: Peer) -> None:
@@ -184,9 +170,9 @@ process.ask("hang")
     with subprocess.Popen([sys.executable, "-c", source], stdout=subprocess.PIPE, text=True) as command:
         assert command.stdout is not None
         pids = [int(word) for word in command.stdout.readline().split()]
-        assert all(map(_runs, pids))
+        assert all(map(runs, pids))
         command.kill()
-    assert all(map(_ends, pids))
+    wait_until(lambda: not any(map(runs, pids)))
 
 
 @pytest.mark.parametrize(
