@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.grid.arrays import Belief, Mask
 from indoor_explorers.env.grid.cells import FREE, UNREACHABLE
+from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.policies.policy import Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.scenarios.presets import on_files
@@ -22,7 +22,7 @@ from indoor_explorers.env.simulation.world import World
 from indoor_explorers.learners.places.network import Loaded, values
 from indoor_explorers.learners.places.policy import PlacesPilot
 from indoor_explorers.learners.places.scene import MOST, Scene
-from indoor_explorers.learners.places.truth import Truth, truth_of
+from indoor_explorers.learners.places.truth import TrueMap, Truth, truth_of
 from indoor_explorers.learners.pockets.maps import TrainingMaps, team_settings
 from indoor_explorers.planners.toolbox.networks.tensors import read_tensors, write_tensors
 from indoor_explorers.planners.toolbox.pockets.estimates import SHIPPED as POCKETS
@@ -87,6 +87,10 @@ FEWEST, LARGEST = 400, 4500
 #: Lidar ranges in cells and numbers of UAVs, each with their shares of the flights.
 RANGES, RANGE_SHARES = (10.0, 7.0, 14.0), (0.8, 0.1, 0.1)
 TEAMS, TEAM_SHARES = (1, 2, 4), (0.6, 0.2, 0.2)
+#: Lidar ranges in buildings of several levels, in equal shares as numbers of UAVs are there, and degrees that the lidar
+#: looks up and down there, with their shares.
+VOLUME_RANGES = (4.0, 7.0, 10.0)
+ELEVATIONS, ELEVATION_SHARES = (90.0, 15.0), (0.7, 0.3)
 #: Cost of a step before 90 % coverage, beyond that of every step, which is 1.
 EARLY = 0.5
 #: Coverage up to which a step costs more, and at which a flight ends.
@@ -111,10 +115,7 @@ class Choice(NamedTuple):
 class _Recording(NamedTuple):
     """The true map, the generator and the choices of a flight, which its pilots share."""
 
-    truth: Belief
-    """(H, W) the true map."""
-    reachable: Mask
-    """(H, W) bool, its free cells that count."""
+    true: TrueMap
     rng: np.random.Generator
     choices: dict[int, list[Choice]]
     """The choices so far, by UAV."""
@@ -148,10 +149,20 @@ class RecordingPilot(PlacesPilot):
         probabilities /= probabilities.sum()
         chosen = int(recording.rng.choice(len(probabilities), p=probabilities))
         field = self.steps_from(view, view.cell)
-        truth = truth_of(scene, view.belief, recording.truth, recording.reachable, field, reach)
+        truth = truth_of(scene, self.clusters(view), view.belief, recording.true, field, reach)
         choice = Choice(scene, truth, chosen, view.step, probabilities.astype(np.float32))
         recording.choices.setdefault(self.briefing.agent, []).append(choice)
         return chosen
+
+
+def _task(plan: Floorplan, rng: np.random.Generator) -> dict[str, Any]:
+    """Return the settings of a task on a map: a lidar, team and radio that are drawn."""
+    if plan.level_count == 1:
+        reach, team = float(rng.choice(RANGES, p=RANGE_SHARES)), int(rng.choice(TEAMS, p=TEAM_SHARES))
+        return {"lidar.range": reach, "budget": None, **team_settings(team, rng)}
+    reach, elevation = float(rng.choice(VOLUME_RANGES)), float(rng.choice(ELEVATIONS, p=ELEVATION_SHARES))
+    above = {"map.least_levels": plan.level_count, "lidar.elevation": elevation}
+    return {"lidar.range": reach, "budget": None, **above, **team_settings(int(rng.choice(TEAMS)), rng)}
 
 
 def fly(maps: TrainingMaps, seed: int, loaded: Loaded, pocket_weights: Path = POCKETS) -> TrainingFlight:
@@ -163,12 +174,13 @@ def fly(maps: TrainingMaps, seed: int, loaded: Loaded, pocket_weights: Path = PO
     plan = maps.draw(rng)
     while not FEWEST <= np.count_nonzero(plan.truth == FREE) <= LARGEST:
         plan = maps.draw(rng)
-    reach, team = float(rng.choice(RANGES, p=RANGE_SHARES)), int(rng.choice(TEAMS, p=TEAM_SHARES))
-    asked = {"lidar.range": reach, "budget": None, **team_settings(team, rng)}
+    asked = _task(plan, rng)
+    reach, team = asked["lidar.range"], asked["team"]
     world = World(on_files(("map",), None).with_settings(asked).for_evaluation())
     world.begin(0, seed, floorplan=plan)
-    reachable = distance_field(plan.truth, world.view(0, 0).cell) < UNREACHABLE
-    recording = _Recording(plan.truth, reachable, rng, {})
+    levels = plan.levels
+    reachable = distance_field(plan.truth, world.view(0, 0).cell, levels.rise) < UNREACHABLE
+    recording = _Recording(TrueMap(plan.truth, reachable, levels), rng, {})
     policy = _Recorder(loaded=loaded, recording=recording, pocket_weights=pocket_weights)
     coverage = [world.team_coverage[0]]
     for _ in rollout(world, ask_pilots(policy, make_pilots(policy, world), world)):

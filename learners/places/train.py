@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -49,6 +50,8 @@ class TrainingConfig(RoundSettings):
     """Show the network the other places beside each place."""
     width: int = Field(WIDTH, ge=8, le=4096)
     """Units of each hidden layer."""
+    levels: float = Field(0.0, ge=0.0, le=1.0)
+    """Share of the flights in generated buildings of several levels, where the network sees no estimates."""
     pocket_weights: str | None = None
     """Path of a training's folder, or of weights, of the network that estimates pockets; None: the shipped ones."""
 
@@ -57,6 +60,10 @@ class TrainingConfig(RoundSettings):
     def _are_estimates(cls, given: str | None) -> str | None:
         load_weights(pocket_path(given))
         return given
+
+    def maps(self) -> TrainingMaps:
+        """Return the training maps, with buildings of several levels among them."""
+        return replace(super().maps(), levels=self.levels)
 
 
 def fly_seeds(maps: TrainingMaps, loaded: Loaded, pocket_weights: Path, path: Path, seeds: range) -> None:

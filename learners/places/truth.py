@@ -14,13 +14,24 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Belief, Distances, Mask
 from indoor_explorers.env.grid.cells import UNKNOWN
+from indoor_explorers.env.grid.levels import Levels
 from indoor_explorers.learners.places.scene import LATENCY_OF_VIEWS, Scene
-from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters
+from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters
 from indoor_explorers.planners.toolbox.pockets.labels import true_pockets
 from indoor_explorers.planners.toolbox.routing.min_latency import best_orders
 
 #: Features of each place, and of the whole map.
 TRUE_PLACE, TRUE_COMMON = 3, 10
+
+
+class TrueMap(NamedTuple):
+    """The true map of a flight, a plane where there are levels."""
+
+    cells: Belief
+    """(H, W) the map."""
+    reachable: Mask
+    """(H, W) bool, its free cells that count."""
+    levels: Levels
 
 
 class Truth(NamedTuple):
@@ -34,27 +45,29 @@ class Truth(NamedTuple):
 
 
 def truth_of(
-    scene: Scene, belief: Belief, truth: Belief, reachable: Mask, field: Distances, lidar_range: float
+    scene: Scene, clusters: Clusters, belief: Belief, true: TrueMap, field: Distances, lidar_range: float
 ) -> Truth:
-    """Return the features of the true map at a scene of K places.
+    """Return the features of the true map at a scene of K places among frontier clusters.
 
-    ``belief`` and ``truth`` (H, W) uint8 are the known and the true map, ``reachable`` (H, W) bool the free cells that
-    count, ``field`` (H, W) the UAV's steps through known free cells; ``lidar_range`` is in cells.
+    ``belief`` (H, W) uint8 is the known map, ``field`` (H, W) the UAV's steps through known free cells;
+    ``lidar_range`` is in cells.
     """
-    pockets = true_pockets(belief, truth, field, frontier_clusters(belief, lidar_range))
+    pockets = true_pockets(belief, true.cells, field, clusters, true.levels.rise)
     sizes, depths = pockets.sizes[scene.owner], pockets.depths[scene.owner]
-    left = (belief == UNKNOWN) & reachable
-    total, unknown = int(reachable.sum()), int(left.sum())
+    left = (belief == UNKNOWN) & true.reachable
+    total, unknown = int(true.reachable.sum()), int(left.sum())
+    seen_at_once, high = lidar_range ** (3 if true.levels.rise else 2), min(true.levels.number, 4)
     to_goal, to_most = (max(0.0, np.ceil(share * total) - (total - unknown)) for share in (0.99, 0.9))
-    small, large = _blocks(left, max(2, int(lidar_range // 2))), _blocks(left, max(3, int(2 * lidar_range)))
+    volume = true.levels.volume(left)
+    small, large = (_blocks(volume, side) for side in (max(2, int(lidar_range // 2)), max(3, int(2 * lidar_range))))
     length, waiting = _tours(scene, sizes)
     common = [
-        to_goal / lidar_range**2,
-        to_most / lidar_range**2,
+        to_goal / seen_at_once,
+        to_most / seen_at_once,
         np.log1p(unknown) / 6.0,
-        (small > 0.0).sum() / 20.0,
-        (small > 0.125).sum() / 20.0,
-        (large > 0.0).sum() / 10.0,
+        (small > 0.0).sum() / 20.0 / high,
+        (small > 0.125).sum() / 20.0 / high,
+        (large > 0.0).sum() / 10.0 / high,
         length / 10.0,
         waiting / 40.0,
         pockets.depths[pockets.sizes > 0].sum() / lidar_range / 10.0,
@@ -65,11 +78,13 @@ def truth_of(
 
 
 def _blocks(cells: Mask, side: int) -> NDArray[np.float64]:
-    """Return the share of ``cells`` (H, W) bool in each block of ``side`` x ``side`` cells: (H / side, W / side)."""
-    rows, cols = (-(-length // side) for length in cells.shape)
-    padded = np.zeros((rows * side, cols * side), np.bool_)
-    padded[: cells.shape[0], : cells.shape[1]] = cells
-    return np.asarray(padded.reshape(rows, side, cols, side).mean(axis=(1, 3)))
+    """Return the share of ``cells`` (L, H, W) bool in each block of ``side`` cells a side, and as high as there are."""
+    sides = min(side, len(cells)), side, side
+    counts = [-(-length // block) for length, block in zip(cells.shape, sides, strict=True)]
+    padded = np.zeros([count * block for count, block in zip(counts, sides, strict=True)], np.bool_)
+    padded[tuple(map(slice, cells.shape))] = cells
+    parts = padded.reshape([each for pair in zip(counts, sides, strict=True) for each in pair])
+    return np.asarray(parts.mean(axis=(1, 3, 5)))
 
 
 def _tours(scene: Scene, sizes: NDArray[np.float64]) -> tuple[float, float]:

@@ -21,9 +21,12 @@ from indoor_explorers.env.maps.files import read_map
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.maps.generators.cave import CaveMaps
 from indoor_explorers.env.maps.generators.floors.plans import FloorsMaps
+from indoor_explorers.env.maps.generators.interiors import InteriorsMaps
 from indoor_explorers.env.maps.generators.maze import MazeMaps
 from indoor_explorers.env.maps.generators.offices import OfficesMaps
+from indoor_explorers.env.maps.generators.racks import RacksMaps
 from indoor_explorers.env.maps.generators.rooms import RoomsMaps
+from indoor_explorers.env.maps.generators.storeys import StoreysMaps
 from indoor_explorers.env.maps.reduction import Source, reduced
 from indoor_explorers.env.maps.sources import FileMaps
 from indoor_explorers.env.scenarios.scenario import Scenario
@@ -76,6 +79,8 @@ class TrainingMaps:
     """Different maps; 0: every map is new."""
     left_out: frozenset[str] = frozenset()
     """Those of the files that generated maps take the place of; what is drawn instead of others stays the same."""
+    levels: float = 0.0
+    """Share of generated buildings of several levels."""
 
     def draw(self, rng: np.random.Generator) -> Floorplan:
         """Return a map; its name is ``GENERATED`` or that of its file.
@@ -94,6 +99,8 @@ class TrainingMaps:
         )
 
     def _attempt(self, rng: np.random.Generator) -> Floorplan | None:
+        if self.levels and rng.random() < self.levels:
+            return Floorplan.from_free(random_building(rng).draw(rng), GENERATED)
         if self.paths and rng.random() < self.real:
             path = self.paths[rng.integers(len(self.paths))]
             if path not in self.left_out:
@@ -131,6 +138,26 @@ def _pixels(path: str) -> tuple[Mask, float]:
     """Return the free pixels of a map file, (H, W) bool, and metres a pixel."""
     plan = read_map(Path(path))
     return plan.truth == FREE, METRES / 4.0 if plan.resolution in (None, 1.0) else plan.resolution
+
+
+def random_building(rng: np.random.Generator) -> GeneratedMaps:
+    """Return a generator of buildings of several levels with random settings."""
+    sides = {"height": int(rng.integers(16, 31)), "width": int(rng.integers(16, 31))}
+    room, storeys = int(rng.integers(3, 5)), int(rng.integers(1, 4))
+    rooms = {"room_size": (room, room + int(rng.integers(2, 6))), "corridor": int(rng.integers(1, 3))}
+    kinds: list[GeneratedMaps] = [
+        StoreysMaps(
+            **sides, **rooms, storeys=storeys + 1, storey_height=int(rng.integers(2, 5)), hall_size=(3, 7),
+            openings=int(rng.integers(1, 4)), halls=int(rng.integers(3)), furniture=float(rng.uniform(0.0, 0.15)),
+        ),
+        InteriorsMaps(
+            **sides, **rooms, storeys=storeys, storey_height=int(rng.integers(4, 7)), halls=int(rng.integers(2)),
+            wells=int(rng.integers(3)), hatches=int(rng.integers(1, 3)), crawl_spaces=int(rng.integers(3)),
+            furniture=float(rng.uniform(0.0, 0.25)),
+        ),
+        RacksMaps(**sides, levels=int(rng.integers(5, 11)), goods=float(rng.uniform(0.3, 0.9))),
+    ]  # fmt: skip
+    return kinds[rng.choice(3, p=(0.5, 0.3, 0.2))]
 
 
 def varied(path: str, rng: np.random.Generator) -> Floorplan | None:

@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Belief, Distances
-from indoor_explorers.env.grid.cells import FREE, MOVES, UNKNOWN, UNREACHABLE
+from indoor_explorers.env.grid.cells import FREE, UNKNOWN, UNREACHABLE
 from indoor_explorers.env.grid.compiled import kernel
+from indoor_explorers.env.grid.levels import beside, degree
 from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters
 
 
@@ -28,7 +29,7 @@ class Pockets(NamedTuple):
 
 @kernel()
 def _pockets(
-    belief: np.ndarray, truth: np.ndarray, field: np.ndarray, cells: np.ndarray, ends: np.ndarray
+    belief: np.ndarray, truth: np.ndarray, field: np.ndarray, cells: np.ndarray, ends: np.ndarray, rise: int
 ) -> tuple[np.ndarray, np.ndarray]:
     height, width = belief.shape
     count = ends.shape[0] - 1
@@ -49,8 +50,8 @@ def _pockets(
         if belief[row, col] == UNKNOWN:
             sizes[k] += 1.0
             depths[k] = steps[row, col]
-        for move in range(4):
-            r, c = row + MOVES[move, 0], col + MOVES[move, 1]
+        for move in range(degree(rise)):
+            r, c = beside(row, col, move, rise)
             if not (0 <= r < height and 0 <= c < width) or owner[r, c] >= 0 or truth[r, c] != FREE:
                 continue
             if belief[r, c] == UNKNOWN or field[r, c] >= UNREACHABLE:
@@ -60,9 +61,10 @@ def _pockets(
     return sizes, depths
 
 
-def true_pockets(belief: Belief, truth: Belief, field: Distances, clusters: Clusters) -> Pockets:
+def true_pockets(belief: Belief, truth: Belief, field: Distances, clusters: Clusters, rise: int = 0) -> Pockets:
     """Return the pockets behind K clusters.
 
-    ``belief`` and ``truth`` are (H, W); ``field`` (H, W) holds the UAV's steps through known free cells.
+    ``belief`` and ``truth`` are (H, W); ``field`` (H, W) holds the UAV's steps through known free cells. With levels,
+    these are planes, and ``rise`` is that of :mod:`indoor_explorers.env.grid.levels`.
     """
-    return Pockets(*_pockets(belief, truth, field, clusters.cells, clusters.ends))
+    return Pockets(*_pockets(belief, truth, field, clusters.cells, clusters.ends, rise))

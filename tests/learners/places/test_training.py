@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 import torch
 
+from indoor_explorers.env import World, scenario
 from indoor_explorers.env.grid.cells import FREE, UNREACHABLE
+from indoor_explorers.env.grid.levels import Levels
 from indoor_explorers.env.search.bfs import distance_field
 from indoor_explorers.learners.places.flights import TrainingFlight, choices_of, fly, read_choices, write_choices
 from indoor_explorers.learners.places.learning import (
@@ -22,9 +24,9 @@ from indoor_explorers.learners.places.learning import (
 from indoor_explorers.learners.places.model import AdvantageNet, batch_of, weights_of
 from indoor_explorers.learners.places.network import Loaded, load_weights
 from indoor_explorers.learners.places.policy import DddqnPlaces
-from indoor_explorers.learners.places.scene import COMMON, MOST, PLACE, Observer
+from indoor_explorers.learners.places.scene import COMMON, GUESS, MOST, PLACE, Observer
 from indoor_explorers.learners.places.train import PlacesTraining, TrainingConfig, train
-from indoor_explorers.learners.places.truth import truth_of
+from indoor_explorers.learners.places.truth import TrueMap, truth_of
 from indoor_explorers.learners.pockets.maps import TrainingMaps
 from indoor_explorers.learners.sessions.session import Progress
 from indoor_explorers.planners.toolbox.networks.tensors import read_tensors, write_tensors
@@ -37,16 +39,57 @@ from tests.learners.places.test_scene import pilot_of
 def test_the_truth_is_what_is_left_to_explore() -> None:
     world = world_on_a_floor()
     view, truth = world.view(0, 0), np.array(world.state.truth[0])
-    scene = Observer(pilot_of(world)).observe(view)
+    pilot = pilot_of(world)
+    scene = Observer(pilot).observe(view)
     assert scene is not None
     reachable = distance_field(truth, view.cell) < UNREACHABLE
-    told = truth_of(scene, view.belief, truth, reachable, distance_field(view.belief, view.cell), 10.0)
+    true = TrueMap(truth, reachable, Levels.of(truth.shape, 1))
+    told = truth_of(scene, pilot.clusters(view), view.belief, true, distance_field(view.belief, view.cell), 10.0)
     unknown = int(((view.belief != FREE) & reachable).sum())
     assert told.common[2] == pytest.approx(np.log1p(unknown) / 6.0)
     assert told.common[0] == pytest.approx((np.ceil(0.99 * reachable.sum()) - (reachable.sum() - unknown)) / 100.0)
     assert 0.0 < np.expm1(5.0 * told.places[:, 0].astype(np.float64)).sum() <= unknown + 1.0
     assert told.common[1] <= told.common[0]
     assert told.common[4] <= told.common[3]
+
+
+def test_the_truth_of_a_building_counts_its_voxels() -> None:
+    """Voxels are counted over all levels, and blocks of two voxels a side too."""
+    world = World(scenario("small-storeys").with_settings({"team": 1}))
+    world.reset([3])
+    view, truth, levels = world.view(0, 0), np.array(world.state.truth[0]), world.briefing(0, 0).levels
+    pilot = pilot_of(world)
+    scene = Observer(pilot).observe(view)
+    assert scene is not None
+    field = distance_field(truth, view.cell, levels.rise)
+    reachable = field < UNREACHABLE
+    true, steps = TrueMap(truth, reachable, levels), pilot.steps_from(view, view.cell)
+    told = truth_of(scene, pilot.clusters(view), view.belief, true, steps, 4.0)
+    unknown = int(((view.belief != FREE) & reachable).sum())
+    assert told.common[2] == pytest.approx(np.log1p(unknown) / 6.0)
+    assert told.common[0] == pytest.approx((np.ceil(0.99 * reachable.sum()) - (reachable.sum() - unknown)) / 64.0)
+    assert len({levels.voxel(cell)[0] for cell in np.argwhere(reachable & (view.belief != FREE))}) > 3
+    blocks = levels.volume(reachable & (view.belief != FREE))
+    assert told.common[3] == pytest.approx(
+        sum(
+            blocks[k : k + 2, i : i + 2, j : j + 2].any()
+            for k in range(0, 7, 2)
+            for i in range(0, 24, 2)
+            for j in range(0, 24, 2)
+        )
+        / 80.0
+    )
+
+
+def test_flights_in_buildings_are_recorded_as_others() -> None:
+    torch.manual_seed(0)
+    loaded = Loaded(weights_of(AdvantageNet()), 0.45, guess=True, others=True)
+    first, again = (fly(TrainingMaps(levels=1.0), 4, loaded) for _ in range(2))
+    assert len(first.choices) == 4
+    for arrays, same in zip(first.choices, again.choices, strict=True):
+        assert all(np.array_equal(arrays[name], same[name]) for name in arrays)
+        assert (arrays["places"][..., GUESS][..., 1:6] == 0.0).all()
+        assert arrays["true_places"][..., 0].max() > 0.0
 
 
 def test_advantages_are_returns_less_values_or_single_surprises() -> None:

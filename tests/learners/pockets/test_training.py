@@ -69,6 +69,15 @@ def test_training_maps_are_connected_and_repeat_with_the_seed() -> None:
         assert (largest_part(free) == free).all()
 
 
+def test_a_share_of_the_training_maps_has_levels() -> None:
+    drawn = [TrainingMaps(levels=0.5).draw(np.random.default_rng(seed)) for seed in range(40)]
+    tall = [plan for plan in drawn if plan.level_count > 1]
+    assert 10 <= len(tall) <= 30
+    assert len({plan.level_count for plan in tall}) > 4
+    for plan in tall:
+        assert (plan.main_part == (plan.truth == 1)).all()
+
+
 def test_a_training_of_some_maps_draws_no_others() -> None:
     drawn = [TrainingMaps(number=2).draw(np.random.default_rng(seed)).truth.tobytes() for seed in range(12)]
     assert len(set(drawn)) == 2

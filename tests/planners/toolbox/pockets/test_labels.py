@@ -4,6 +4,7 @@ import networkx as nx
 import numpy as np
 import pytest
 
+from indoor_explorers.env.grid.levels import Levels, plane_of
 from indoor_explorers.env.search.bfs import distance_field
 from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters
 from indoor_explorers.planners.toolbox.pockets.labels import true_pockets
@@ -52,3 +53,24 @@ def test_the_unknown_free_cells_are_parted_among_the_clusters(seed: int) -> None
     for k in range(clusters.size):
         if (steps[clusters.ends[k] : clusters.ends[k + 1]] > 10**6).all():
             assert pockets.sizes[k] == pockets.depths[k] == 0.0
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_pockets_reach_over_levels(seed: int) -> None:
+    """The unknown free voxels that networkx reaches are parted among the clusters, whatever their level."""
+    rng = np.random.default_rng(seed)
+    levels = Levels(4, 7, 8)
+    volume = np.where(rng.random(tuple(levels)) < 0.35, 2, 1).astype(np.uint8)
+    volume[1, 3, 3] = 1
+    truth, cell = plane_of(volume), levels.cell((1, 3, 3))
+    belief = known_part(truth, (rng.random(truth.shape) < 0.6) | levels.between)
+    belief[cell] = 1
+    clusters = frontier_clusters(belief, 4.0, levels.rise)
+    pockets = true_pockets(belief, truth, distance_field(belief, cell, levels.rise), clusters, levels.rise)
+    graph = nx.grid_graph(tuple(levels)[::-1])
+    graph.remove_nodes_from([tuple(voxel) for voxel in np.argwhere(volume == 2).tolist()])
+    reachable = nx.node_connected_component(graph, (1, 3, 3))
+    assert {voxel[0] for voxel in reachable} == {0, 1, 2, 3}
+    assert pockets.sizes.sum() == sum(belief[levels.cell(voxel)] == 0 for voxel in reachable)
+    flat = true_pockets(belief, truth, distance_field(belief, cell), clusters)
+    assert flat.sizes.sum() < pockets.sizes.sum()
