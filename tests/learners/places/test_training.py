@@ -68,8 +68,8 @@ def test_the_truth_of_a_building_counts_its_voxels() -> None:
     unknown = int(((view.belief != FREE) & reachable).sum())
     assert told.common[2] == pytest.approx(np.log1p(unknown) / 6.0)
     assert told.common[0] == pytest.approx((np.ceil(0.99 * reachable.sum()) - (reachable.sum() - unknown)) / 64.0)
-    assert len({levels.voxel(cell)[0] for cell in np.argwhere(reachable & (view.belief != FREE))}) > 3
     blocks = levels.volume(reachable & (view.belief != FREE))
+    assert blocks.any(axis=(1, 2)).sum() > 3
     assert told.common[3] == pytest.approx(
         sum(
             blocks[k : k + 2, i : i + 2, j : j + 2].any()
