@@ -13,11 +13,18 @@ from uuid import uuid4
 
 from filelock import FileLock, Timeout
 
-from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.errors import InputError, shown
 
 
 def expanded(path: str | Path) -> Path:
-    """Return a path with a leading ``~`` replaced by the home folder, unless the user is unknown."""
+    """Return a path with a leading ``~`` replaced by the home folder, unless the user is unknown.
+
+    Raises:
+        InputError: it is no path, as a parameter that was meant as one may be.
+
+    """
+    if not isinstance(path, str | os.PathLike):
+        raise InputError(f"expected a path, got {shown(path)}")
     return Path(os.path.expanduser(path))  # noqa: PTH111, pathlib's raises for users that do not exist
 
 

@@ -10,7 +10,7 @@ from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot
 from indoor_explorers.env.policies.view import Briefing
 from indoor_explorers.planners.toolbox.explorers import ExploringWith
 from indoor_explorers.planners.toolbox.navigation.camera_moves import CameraMoves
-from indoor_explorers.planners.toolbox.navigation.navigator import Navigator
+from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,11 +39,10 @@ class CameraPaths(ExploringWith):
         """Make the pilot of one UAV: the explorer's, with another choice of moves."""
         pilot = self.make_explorer().pilot(briefing)
         if briefing.scenario.turns:
-            navigator = getattr(pilot, "navigator", None)
-            if not isinstance(navigator, Navigator):
+            if not isinstance(pilot, GoalPilot):
                 raise InputError(
                     f"camera-paths: expected an explorer that flies to goals, such as frontier, rrt or dddqn-places, "
-                    f"got {self.explorer!r}"
+                    f"got {self.explorer!r}; policies with an explorer of their own take camera-paths as explorer"
                 )
-            navigator.camera = CameraMoves(briefing)
+            pilot.navigator.camera = CameraMoves(briefing)
         return pilot

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.errors import InputError, shown
 from indoor_explorers.env.policies.policy import Policy
 from indoor_explorers.env.policies.registry import make_policy, with_parameters
 from indoor_explorers.env.policies.view import MESSAGE_LIMIT, Mate, Message
@@ -35,6 +35,9 @@ class ExploringWith(Parameters, Policy):
 
     def make_explorer(self) -> Policy:
         """Make the policy that explores."""
+        if not isinstance(self.explorer, str):
+            given = shown(self.explorer)
+            raise InputError(f"{type(self).__name__}: expected the name of a policy as explorer, got {given}")
         name, parameters = with_parameters(self.explorer)
         return make_policy(name, **parameters)
 

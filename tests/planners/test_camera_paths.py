@@ -118,7 +118,7 @@ def test_it_reaches_90_percent_sooner_than_its_explorer():
     assert with_camera < alone
 
 
-@pytest.mark.parametrize("explorer", ["random", "dddqn"])
+@pytest.mark.parametrize("explorer", ["random", "dddqn", "return-to-base"])
 def test_explorers_that_fly_to_no_goals_are_refused(explorer):
     world = narrow_world()
     with pytest.raises(InputError, match="expected an explorer that flies to goals, such as frontier, rrt or"):

@@ -101,6 +101,7 @@ def test_teammates_messages_reach_the_explorer_as_it_sent_them(monkeypatch):
 @pytest.mark.parametrize(
     ("parameters", "message"),
     [
+        ({"explorer": 3}, "expected the name of a policy as explorer, got 3"),
         ({"explorer": "reference"}, "expected an explorer that is not given the map, got 'reference'"),
         ({"explorer": "frontir"}, "did you mean 'frontier'"),
     ],

@@ -12,6 +12,7 @@ import pytest
 from numpy.typing import NDArray
 
 from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.policies.registry import make_policy
 from indoor_explorers.planners.toolbox.networks import weights_file as module
 from indoor_explorers.planners.toolbox.networks.tensors import write_tensors
 from indoor_explorers.planners.toolbox.networks.weights_file import (
@@ -123,3 +124,9 @@ def test_other_arrays_are_refused(path: Path, changed: dict[str, NDArray[Any] | 
     arrays = {name: array for name, array in (some_arrays() | changed).items() if array is not None}
     write_tensors(path, arrays)
     refused(path, f"expected weights of this test {match}; give weights that its training wrote, or train again")
+
+
+@pytest.mark.parametrize("name", ["dddqn-places", "dddqn", "dddqn-thesis"])
+def test_a_path_that_is_none_is_told(name: str) -> None:
+    with pytest.raises(InputError, match="expected a path, got 3"):
+        make_policy(name, weights=3)
