@@ -17,12 +17,14 @@ import re
 import tomllib
 from collections import defaultdict
 from collections.abc import Mapping
+from dataclasses import fields, is_dataclass
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
+from numbers import Integral, Real
 from operator import attrgetter
 from typing import Any, NamedTuple
 
-from indoor_explorers.env.errors import InputError, PolicyError, described, did_you_mean
+from indoor_explorers.env.errors import InputError, PolicyError, described, did_you_mean, shown
 from indoor_explorers.env.policies.policy import Policy
 from indoor_explorers.env.policies.renamed import renamed_parameters
 
@@ -40,6 +42,12 @@ EXTRAS = {
     "sb3_contrib": "sb3",
     "ray": "ray",
     "pyarrow": "dataset",
+}
+#: What the values of a parameter are called, and their types, by its annotation.
+NUMBERS: Mapping[str, tuple[str, type]] = {
+    "bool": ("true or false", bool),
+    "int": ("a whole number", Integral),
+    "float": ("a number", Real),
 }
 #: What else to say of a module that is missing.
 WITHOUT_WHEELS = {"ompl": "OMPL has wheels for Python up to 3.13, on Linux and on macOS 15 and newer"}
@@ -108,6 +116,7 @@ def make_policy(name: str, **parameters: Any) -> Policy:
     """
     kind, given = _load(name)
     _refuse_unknown(name, kind, parameters)
+    _refuse_mistyped(name, kind, parameters)
     try:
         policy = kind(**given, **parameters)
     except TypeError as error:
@@ -138,6 +147,19 @@ def _refuse_unknown(name: str, kind: Any, parameters: Mapping[str, Any]) -> None
         if parameter not in known and parameter not in renamed_parameters(kind):
             hint = did_you_mean(parameter, known)
             raise InputError(f"policy {name!r} cannot be made: unknown parameter {parameter!r}{hint}")
+
+
+def _refuse_mistyped(name: str, kind: Any, parameters: Mapping[str, Any]) -> None:
+    """Refuse a value where a dataclass declares a bool or a number, and it is none."""
+    declared = fields(kind) if isinstance(kind, type) and is_dataclass(kind) else ()
+    for field in declared:
+        annotation = getattr(field.type, "__name__", str(field.type)).removesuffix(" | None")
+        if field.name not in parameters or annotation not in NUMBERS:
+            continue
+        value, (wanted, types) = parameters[field.name], NUMBERS[annotation]
+        missing = value is None and field.default is None
+        if not missing and (isinstance(value, bool) != (types is bool) or not isinstance(value, types)):
+            raise InputError(f"policy {name!r}: expected {field.name} to be {wanted}, got {shown(value)}")
 
 
 def missing_module(error: ModuleNotFoundError) -> str:

@@ -8,6 +8,7 @@ from typing import ClassVar, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from indoor_explorers.env.errors import InputError, shown
 from indoor_explorers.env.grid.cells import Action
 from indoor_explorers.env.grid.levels import action_between
 from indoor_explorers.env.maps.generators.thesis import ThesisMaps
@@ -81,6 +82,11 @@ class Horizon(Parameters, Policy):
     """Largest number of cells of a map that is planned cell by cell."""
     beyond: FrontierJoint = field(default_factory=FrontierJoint)
     """Planner for larger maps, and for steps without a tour."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not isinstance(self.beyond, FrontierJoint):
+            raise InputError(f"Horizon: expected beyond to be a FrontierJoint, got {shown(self.beyond)}")
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""

@@ -73,7 +73,7 @@ class Pomdp(EstimateUser, DiscountParameters, GoalBonusParameters, ReplanParamet
     """Simulations of a decision."""
     maps: int = bounded(8, least=1)
     """Completions of the map that are drawn for a decision."""
-    scale: float = 3.0
+    scale: float = bounded(3.0, least=0)
     """Factor on the sizes of pockets: in small ones a simulated flight gets stuck at once, whatever it tries."""
     actions: int = bounded(8, least=1, tunable=(2, 16))
     """Most clusters to choose among: those with the largest sqrt(view gain) e^(-discount_rate d / R)."""

@@ -5,6 +5,7 @@ import sys
 import types
 from dataclasses import dataclass
 
+import numpy as np
 import pytest
 
 from indoor_explorers.env import InputError, Pilot, Policy, make_policy
@@ -32,6 +33,20 @@ class Opened(Policy):
 @dataclass(frozen=True, kw_only=True)
 class Named(Policy):
     """Do nothing."""
+
+    def pilot(self, briefing):
+        return Idle()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Typed(Policy):
+    """Do nothing, with parameters of every type."""
+
+    bold: bool = False
+    count: int = 1
+    share: float = 0.5
+    parts: int | None = None
+    label: str = "a"
 
     def pilot(self, briefing):
         return Idle()
@@ -167,3 +182,27 @@ class CannotBeMade(Named):
 def test_an_error_whose_message_raises_is_one_line():
     with pytest.raises(PolicyError, match=r"cannot be made: RaisesInItsMessage: its message raised KeyError$"):
         make_policy(f"{__name__}:CannotBeMade")
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ({"bold": "false"}, "expected bold to be true or false, got 'false'"),
+        ({"bold": 1}, "expected bold to be true or false, got 1"),
+        ({"count": 2.5}, "expected count to be a whole number, got 2.5"),
+        ({"count": True}, "expected count to be a whole number, got True"),
+        ({"count": None}, "expected count to be a whole number, got None"),
+        ({"share": "0.5"}, "expected share to be a number, got '0.5'"),
+        ({"share": [1]}, r"expected share to be a number, got \[1\]"),
+        ({"parts": 1.5}, "expected parts to be a whole number, got 1.5"),
+    ],
+)
+def test_values_of_other_types_are_refused(given, told):
+    with pytest.raises(InputError, match=f"policy '{HERE}:Typed': {told}"):
+        make_policy(f"{HERE}:Typed", **given)
+
+
+def test_numbers_of_every_library_are_numbers():
+    made = make_policy(f"{HERE}:Typed", bold=True, count=np.int64(3), share=1, parts=None, label="b")
+    assert (made.bold, made.count, made.share, made.parts, made.label) == (True, 3, 1, None, "b")
+    assert make_policy(f"{HERE}:Typed", share=np.float32(0.25), parts=2).share == 0.25
