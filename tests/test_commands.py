@@ -18,7 +18,7 @@ from tests.test_plugin import BLOCK
 DOCUMENTS = (*PAGES, PLANNERS, BOUNDS, *sorted((ROOT / "learners").rglob("*.md")))
 #: Words of commands that stand for something of the reader's, or that take days or have tests of their own.
 PLACEHOLDERS = re.compile(
-    r"\b(LEARNER|DIR|FILE|MODULE|my_planner)\b|^(bench|ablate|check|robot)\b|results/thesis\b|--engine ray|\*|sb3:sb3-"
+    r"\b(LEARNER|DIR|FILE|MODULE|my_planner)\b|^(bench|ablate|scale|check|robot)\b|results/thesis\b|--engine ray|\*|sb3:sb3-"
     r"|places:"
 )
 #: Commands that need map files or code of others.
