@@ -18,11 +18,11 @@ from tests.test_plugin import BLOCK
 DOCUMENTS = (*PAGES, PLANNERS, BOUNDS, *sorted((ROOT / "learners").rglob("*.md")))
 #: Words of commands that stand for something of the reader's, or that take days or have tests of their own.
 PLACEHOLDERS = re.compile(
-    r"\b(LEARNER|DIR|FILE|MODULE|my_planner)\b|^(bench|ablate|scale|check|robot)\b|results/thesis\b|--engine ray|\*|sb3:sb3-"
-    r"|places:"
+    r"\b(LEARNER|DIR|FILE|MODULE|my_planner)\b|^(bench|ablate|scale|check|robot)\b|results/thesis\b|--engine ray|\*"
+    r"|sb3:sb3-|places:"
 )
 #: Commands that need map files or code of others.
-DATA = re.compile(r"--data|data=|DungeonMaps|g4s_y2|\.building\.yaml|hotel\.bt|--clone")
+DATA = re.compile(r"--data|data=|DungeonMaps|g4s_y2|\.building\.yaml|hotel\.bt|--clone|\$M")
 #: What makes a command short.
 SHORTER = {
     "compare": ["--episodes", "1", "--workers", "1"],

@@ -97,20 +97,22 @@ def of_moves(
     """Return the explanation of a move chosen by the ``scores`` (4,) or (5,) of all; ``parts`` are of the same size.
 
     The candidates are the cells that the moves lead to; illegal moves have a score that is not finite. A note says
-    where ``action`` is not the move of the highest score.
+    where ``action`` is not the move of the highest score, or is illegal, so that the UAV stays.
     """
     cells = np.asarray(view.cell) + MOVES[: len(scores)]
     inside = np.asarray(view.legal[: len(scores)], np.bool_)
     flat = np.where(inside, cells @ (view.belief.shape[1], 1), 0)
     values = np.where(inside, scores, -np.inf)
     own = not np.isfinite(values).any() or values[min(action, len(values) - 1)] < values.max()
-    row, col = MOVES[min(action, len(MOVES) - 1)].tolist()
+    legal = bool(view.legal[action])
+    row, col = MOVES[min(action, len(MOVES) - 1)].tolist() if legal else (0, 0)
     moved = view.cell[0] + row, view.cell[1] + col
+    note = "not the move of the highest score" if own else ""
     return Explanation(
         step=view.step,
         goal=moved,
         candidates=ranked(flat, view.belief.shape[1], values, parts),
         score=score,
         path=(view.cell, moved),
-        note="not the move of the highest score" if own else "",
+        note=note if legal else "an illegal move: the UAV stays",
     )

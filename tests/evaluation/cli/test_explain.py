@@ -114,6 +114,19 @@ def test_moves_lead_to_cells_and_a_note_tells_where_another_was_made():
     assert len(best.candidates) == len(legal)
 
 
+@pytest.mark.parametrize("cell", [(0, 5), (15, 15)])
+def test_a_uav_stays_where_its_move_is_illegal(cell):
+    world = World(PRESETS["thesis-open"].for_evaluation())
+    world.begin(0, 3)
+    view = world.view(0, 0)
+    for action in range(4):
+        illegal = view._replace(cell=cell, legal=np.arange(5) != action)
+        told = of_moves(illegal, action, np.arange(4.0), "value", {})
+        assert told.goal == cell
+        assert told.path == (cell, cell)
+        assert told.note == "an illegal move: the UAV stays"
+
+
 def test_the_command_prints_a_table_for_each_uav(capsys):
     words = ["--policy", "frontier", "--scenario", "small-floors", "--team", "2", "--seed", "3", "--step", "30"]
     assert main(["explain", *words]) == 0
