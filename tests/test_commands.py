@@ -22,7 +22,7 @@ PLACEHOLDERS = re.compile(
     r"|sb3:sb3-|places:"
 )
 #: Commands that need map files or code of others.
-DATA = re.compile(r"--data|data=|DungeonMaps|g4s_y2|\.building\.yaml|hotel\.bt|--clone|\$M")
+DATA = re.compile(r"--data|data=|DungeonMaps|g4s_y2|\.building\.yaml|hotel\.bt|--clone|ir2-hybrid|ir2\.toml")
 #: What makes a command short.
 SHORTER = {
     "compare": ["--episodes", "1", "--workers", "1"],
