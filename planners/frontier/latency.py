@@ -17,11 +17,13 @@ from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters
 from indoor_explorers.planners.toolbox.information.cluster_places import (
     LEFT_TO_OTHERS,
     ClusterPlaces,
+    PlaceCells,
     PlaceParameters,
     halved_by_mates,
     log_gains,
     waiting_weights,
 )
+from indoor_explorers.planners.toolbox.information.lookouts import KEPT, distinct, with_lookouts
 from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
 from indoor_explorers.planners.toolbox.navigation.teammates import remembered
 from indoor_explorers.planners.toolbox.parameters import bounded
@@ -50,6 +52,9 @@ class FrontierLatency(PlaceParameters, Policy):
 
     sector: float = bounded(0.0, least=0, tunable=(0.0, 6.0))
     """Preference for the UAV's own sector of the map while teammates were never heard; see :class:`OutOfContact`."""
+    lookouts: int = bounded(0, least=0, tunable=(0, 16))
+    """Most viewpoints near the UAV that need not be at a frontier; where there may be some, viewpoints that share half
+    of their view with a better one are left out (:mod:`indoor_explorers.planners.toolbox.information.lookouts`)."""
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""
@@ -67,6 +72,8 @@ class ClusterViewpoints(NamedTuple):
     """(K,) weighted view gains, times the factors for teammates."""
     kept: NDArray[np.bool_]
     """(K,) bool, whether they are at the last goal."""
+    lookouts: NDArray[np.bool_]
+    """(K,) bool, whether they are not at a frontier."""
 
 
 class LatencyPilot(GoalPilot):
@@ -81,17 +88,31 @@ class LatencyPilot(GoalPilot):
         self._range = briefing.lidar_range
         self._out_of_contact = OutOfContact(briefing, sector=policy.sector) if policy.sector else None
         self._found = ClusterPlaces(self, policy)
+        self._lookout: tuple[Cell, float] | None = None
+        """The lookout that the UAV flies to, and its gain when it was chosen."""
         self.replan_period = self.steps_in(KEEP)
 
     def choose(self, view: View) -> Cell | None:
         """Return the first viewpoint of the order of lowest cost."""
+        if self._lookout is not None and self._is_worth_it(view, *self._lookout):
+            return self.goal
         viewpoints = self._viewpoints(view)
         if len(viewpoints.cells) == 0:
             return None
         costs = self._orders(view, viewpoints)[0] - self._policy.switch_cost * viewpoints.kept
         gains, steps = viewpoints.gains, viewpoints.steps
         self.consider(viewpoints.cells, "cost of the best order, negative", -costs, cost=costs, gain=gains, steps=steps)
-        return divmod(int(viewpoints.cells[np.argmin(costs)]), self.paths.width)
+        first = int(np.argmin(costs))
+        goal = divmod(int(viewpoints.cells[first]), self.paths.width)
+        self._lookout = (goal, self._gain(view, goal)) if viewpoints.lookouts[first] else None
+        return goal
+
+    def _is_worth_it(self, view: View, cell: Cell, gain: float) -> bool:
+        """Tell whether to fly on to a lookout: choices anew would lead to and fro between two of them."""
+        return self.goal == cell != view.cell and self._gain(view, cell) >= KEPT * gain
+
+    def _gain(self, view: View, cell: Cell) -> float:
+        return float(self._found.views(view, self.paths.flat([cell]))[0])
 
     def order(self, view: View) -> list[Cell]:
         """Return the viewpoints of the order of lowest cost, in turn, without the switch cost."""
@@ -119,6 +140,9 @@ class LatencyPilot(GoalPilot):
         """Return the best viewpoints of the best reachable clusters."""
         found = self._found.found(view)
         outlook = self.outlook(view, found.clusters, found.away)
+        at_frontier = found.cells
+        if self._policy.lookouts and len(at_frontier):
+            found = self._with_lookouts(view, found)
         wanted = ~outlook.deferred[found.owner]
         found = found.selected(wanted) if wanted.any() and not wanted.all() else found
         factors = self.factors(view, found.cells, found.steps)
@@ -131,7 +155,17 @@ class LatencyPilot(GoalPilot):
         kept = self._found.at_goal(cells)
         best = self._found.best_of_each(owner, scores, kept)
         best = best[np.argsort(-scores[best], kind="stable")][: self._policy.clusters]
-        return ClusterViewpoints(cells[best], steps[best], gains[best], kept[best])
+        if self._policy.lookouts:
+            best = best[distinct(self, view, cells[best])]
+        lookouts = ~np.isin(cells[best], at_frontier)
+        return ClusterViewpoints(cells[best], steps[best], gains[best], kept[best], lookouts)
+
+    def _with_lookouts(self, view: View, found: PlaceCells) -> PlaceCells:
+        """Return the possible viewpoints with lookouts among them."""
+        rate = self._policy.discount_rate / self._range
+        scores = log_gains(self._found.views(view, found.cells)) - rate * found.steps
+        best = self._found.best_of_each(found.owner, scores, np.zeros(len(scores), np.bool_))
+        return with_lookouts(self, view, found, best, rate, self._policy.lookouts)
 
     def _orders(self, view: View, viewpoints: ClusterViewpoints) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
         """Return the costs of the best orders that begin at each viewpoint, in lidar ranges, (K,).

@@ -1,0 +1,93 @@
+"""Lookouts see into clusters from near the UAV; each view is flown to once, and no UAV flies to and fro."""
+
+import numpy as np
+import pytest
+
+from indoor_explorers.env import make_policy
+from indoor_explorers.env.grid.cells import FREE, UNKNOWN
+from indoor_explorers.env.search.connected_parts import largest_part
+from indoor_explorers.planners.frontier.latency import FrontierLatency
+from indoor_explorers.planners.toolbox.information.lookouts import NEAR, distinct, with_lookouts
+from indoor_explorers.planners.toolbox.information.view_gain import visible_sets
+from tests.planners.flights import fly, fly_preset, view_of, world_on
+
+#: A hall of which the part behind a table is not known.
+HALL = np.full((15, 21), FREE, np.uint8)
+HALL[[0, -1]] = HALL[:, [0, -1]] = 2
+HALL[7, 8:15] = 2
+HALL[8:13, 10:14] = UNKNOWN
+
+
+def in_hall():
+    """A pilot in the hall with a lidar of ten cells, and its view from the left of the table."""
+    pilot = FrontierLatency().pilot(world_on(np.ones(HALL.shape, np.bool_), lidar__range=10.0).briefing(0, 0))
+    return pilot, view_of(HALL, (9, 4))
+
+
+def steps_to_99(policy, scenario, seed):
+    return len(fly_preset(policy, scenario, seed, goal=0.99, team=1, budget=1500)[2])
+
+
+def viewpoints(pilot, view):
+    found = pilot._found.found(view)
+    gains = pilot._found.views(view, found.cells)
+    return found, pilot._found.best_of_each(found.owner, gains, np.zeros(len(gains), np.bool_))
+
+
+def test_lookouts_are_near_and_see_into_their_clusters():
+    pilot, view = in_hall()
+    found, best = viewpoints(pilot, view)
+    among = with_lookouts(pilot, view, found, best, 0.1, 8)
+    added = slice(len(found.cells), None)
+    assert 1 <= len(among.cells[added]) <= 8
+    assert np.array_equal(among.cells[: len(found.cells)], found.cells)
+    assert (among.steps[added] <= pilot.steps_in(NEAR)).all()
+    assert not np.isin(among.cells[added], found.cells).any()
+    for cell, owner in zip(among.cells[added], among.owner[added], strict=True):
+        sets = visible_sets(view.belief, np.array([cell, found.cells[best[owner]]], np.int32), pilot.lidar)
+        assert (sets[0] & sets[1]).any()
+
+
+def test_where_a_uav_has_been_is_no_lookout():
+    pilot, view = in_hall()
+    found, best = viewpoints(pilot, view)
+    been = view._replace(visited=np.ones(HALL.shape, np.bool_))
+    assert with_lookouts(pilot, been, found, best, 0.1, 8) is found
+
+
+def test_viewpoints_that_a_better_one_covers_are_left_out():
+    pilot, view = in_hall()
+    cells = pilot.paths.flat([(12, 9), (12, 9), (2, 2), (8, 16)])
+    kept = distinct(pilot, view, cells)
+    assert kept.tolist()[:2] == [True, False]
+    sets = visible_sets(view.belief, cells, pilot.lidar)
+    counts = [bin(int.from_bytes(each.tobytes(), "little")).count("1") for each in sets]
+    shared = bin(int.from_bytes((sets[0] & sets[3]).tobytes(), "little")).count("1")
+    assert kept[3] == (shared < 0.5 * counts[3])
+
+
+@pytest.mark.parametrize(
+    ("scenario", "seed"), [("small-halls", 9_600_025), ("small-cave", 9_600_015), ("small-storeys", 3)]
+)
+@pytest.mark.parametrize("policy", ["frontier-latency", "frontier-predictive"])
+def test_uavs_do_not_fly_to_and_fro_between_lookouts(policy, scenario, seed):
+    """With choices anew at every step ``frontier-predictive`` would in the first of these maps."""
+    assert steps_to_99(make_policy(policy, lookouts=8), scenario, seed) < 900
+
+
+def furnished(seed):
+    """A hall of 16 x 20 cells with fourteen tables of 1 x 2 cells."""
+    rng, free = np.random.default_rng(seed), np.ones((16, 20), np.bool_)
+    for row, col in zip(rng.integers(1, 15, 14), rng.integers(1, 17, 14), strict=True):
+        free[row, col : col + 2] = False
+    return largest_part(free)
+
+
+def test_furnished_halls_are_explored_sooner():
+    """The sum over twelve halls; each by itself may go either way."""
+
+    def steps(lookouts):
+        policy = make_policy("frontier-latency", lookouts=lookouts)
+        return sum(fly(policy, furnished(seed), lidar=10.0).steps for seed in range(12))
+
+    assert steps(8) < 0.95 * steps(0)
