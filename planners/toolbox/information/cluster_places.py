@@ -66,9 +66,9 @@ class PlaceCells(NamedTuple):
     away: Distances
     """(K,) steps to the nearest cell of each cluster, ``UNREACHABLE`` without a known path."""
     cells: NDArray[np.int32]
-    """(L,) flat cells of clusters, a sample of each, that are reachable and not near a banned goal."""
+    """(L,) flat cells of clusters, a sample of each, that are reachable and not near a banned goal; lookouts behind."""
     owner: NDArray[np.int64]
-    """(L,) numbers of their clusters, in ascending order."""
+    """(L,) numbers of their clusters, in ascending order; those of lookouts behind, in any order."""
     steps: Distances
     """(L,) steps to them."""
 
