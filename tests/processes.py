@@ -11,9 +11,9 @@ def runs(pid: int) -> bool:
     return process_of(pid) is not None
 
 
-def wait_until(condition: Callable[[], object]) -> None:
-    """Wait until a condition holds; fail after half a minute."""
-    until = time.monotonic() + 30.0
+def wait_until(condition: Callable[[], object], seconds: float = 30.0) -> None:
+    """Wait until a condition holds; fail after some seconds."""
+    until = time.monotonic() + seconds
     while not condition():
         assert time.monotonic() < until
         time.sleep(0.02)

@@ -157,7 +157,7 @@ class LatencyPilot(GoalPilot):
         best = best[np.argsort(-scores[best], kind="stable")][: self._policy.clusters]
         if self._policy.lookouts:
             best = best[distinct(self, view, cells[best])]
-        lookouts = ~np.isin(cells[best], at_frontier)
+        lookouts = ~np.isin(cells[best], at_frontier) if self._policy.lookouts else np.zeros(len(best), np.bool_)
         return ClusterViewpoints(cells[best], steps[best], gains[best], kept[best], lookouts)
 
     def _with_lookouts(self, view: View, found: PlaceCells) -> PlaceCells:

@@ -100,7 +100,7 @@ def test_a_process_that_fails_costs_its_own_episode(clone: Path, ending: str, to
     assert failed.startswith(f"PeerFailure: the process of DARE {told}")
     assert "\n" not in failed
     gc.collect()
-    wait_until(lambda: not any(runs(int(file.stem)) for file in clone.glob("*.pid")))
+    wait_until(lambda: not any(runs(int(file.stem)) for file in clone.glob("*.pid")), 10.0)
 
 
 def test_a_wrong_folder_or_environment_is_told_in_one_line(clone: Path, tmp_path, monkeypatch) -> None:

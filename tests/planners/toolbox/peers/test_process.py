@@ -131,7 +131,7 @@ def test_a_failure_is_one_line_and_the_next_question_finds_a_new_process(
         process.ask(question, **values)
     assert f"the process of clone {told}" in str(failed.value) or told in str(failed.value)
     assert "\n" not in str(failed.value)
-    wait_until(lambda: not runs(first))
+    wait_until(lambda: not runs(first), 10.0)
     assert process.ask("double", cells=np.ones(1))["pid"] != first
 
 
@@ -144,7 +144,7 @@ def test_a_peer_that_hangs_is_ended_with_what_it_started(peer: Peer) -> None:
         with pytest.raises(PeerFailure, match=r"gave no answer within 0\.5 s; it printed: loading \| started"):
             process.ask("hang")
         assert time.monotonic() - begun < 10
-        wait_until(lambda: not runs(child))
+        wait_until(lambda: not runs(child), 10.0)
 
 
 def test_a_peer_that_does_not_read_a_long_question_is_ended(peer: Peer) -> None:
@@ -172,7 +172,7 @@ process.ask("hang")
         pids = [int(word) for word in command.stdout.readline().split()]
         assert all(map(runs, pids))
         command.kill()
-    wait_until(lambda: not any(map(runs, pids)))
+    wait_until(lambda: not any(map(runs, pids)), 10.0)
 
 
 @pytest.mark.parametrize(
