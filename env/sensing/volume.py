@@ -26,11 +26,19 @@ def _slips_by(cells: np.ndarray, cell: int, step: int, strides: tuple[int, int])
     """Tell whether a step along two or three axes into a flat ``cell`` leads past obstacles that touch each other."""
     up, down, right = STEPS[step, 0] * strides[0], STEPS[step, 1] * strides[1], STEPS[step, 2]
     before = cell - up - down - right
-    for first, second in ((up, down), (down, up), (up, right), (right, up), (down, right), (right, down)):
-        along = first != 0 and second != 0 and cells[before + first] != OCCUPIED
-        if along and cells[before + first + second] != OCCUPIED:
-            return True
-    return False
+    if AXES[step] == 2:
+        first, second = (up if up != 0 else down), (right if right != 0 else down)
+        return bool(cells[before + first] != OCCUPIED or cells[before + second] != OCCUPIED)
+    same_level, same_row, same_col = (  # after two of three moves
+        cells[before + down + right] != OCCUPIED,
+        cells[before + up + right] != OCCUPIED,
+        cells[before + up + down] != OCCUPIED,
+    )
+    return bool(
+        ((same_row or same_col) and cells[before + up] != OCCUPIED)
+        or ((same_level or same_col) and cells[before + down] != OCCUPIED)
+        or ((same_level or same_row) and cells[before + right] != OCCUPIED)
+    )
 
 
 @leaf(entry=False)
@@ -89,18 +97,16 @@ def _add_obstacles(
         if not (0 <= at[0] + level < size[0] and 0 <= at[1] + row < size[1]):
             continue
         base = origin + level * strides[0] + row * strides[1]
+        up, down = np.sign(level) * strides[0], np.sign(row) * strides[1]
         for col in range(max(begin, -at[2]), min(end, size[2] - at[2])):
-            cell = base + col
-            if cells[cell] != OCCUPIED:
-                continue
-            away, first = (np.int64(level), np.int64(row), np.int64(col)), 3 * (number + col - begin)
-            for axis in range(3):
-                stride = (strides[0], strides[1], 1)[axis] if away[axis] > 0 else -(strides[0], strides[1], 1)[axis]
-                faces_open = away[axis] != 0 and cells[cell - stride] != OCCUPIED
-                if faces_open and _shows(cells, origin, strides, first + axis, tables):
-                    out[seen] = cell
-                    seen += 1
-                    break
+            cell, face = base + col, 3 * (number + col - begin)
+            if cells[cell] == OCCUPIED and (
+                (cells[cell - up] != OCCUPIED and _shows(cells, origin, strides, face, tables))
+                or (cells[cell - down] != OCCUPIED and _shows(cells, origin, strides, face + 1, tables))
+                or (cells[cell - np.sign(col)] != OCCUPIED and _shows(cells, origin, strides, face + 2, tables))
+            ):
+                out[seen] = cell
+                seen += 1
     return seen
 
 
