@@ -21,6 +21,17 @@ UNRELIABLE = ("random", "dddqn-thesis")
 EXPLORERS = tuple(name for name in POLICIES if name not in UNRELIABLE)
 #: An exhaustive search, which has tests of its own, and flies as `reference` does.
 EXHAUSTIVE = ("optimum",)
+#: Policies that fly as `frontier` where there is no base, no prior map or no drift, which their own tests compare.
+AS_FRONTIER = ("return-to-base", "prior-tour", "loop-closing")
+#: Policies that fly as others do, by the estimates of `frontier-predictive`.
+BY_ESTIMATES = ("pso-predictive", "rrt-predictive", "dddqn-reports", "camera-paths")
+#: Policies that share all but a score or an order with another one.
+SIBLINGS = (
+    *("frontier-mrtsp", "frontier-octree", "frontier-hungarian", "frontier-advantage", "frontier-tour"),
+    *("frontier-minpos", "frontier-utility", "gso", "prm-tour", "cover-tour", "level-by-level"),
+)
+#: Policies of which `make test` flies the golden episodes and their own tests; `make test-all` flies all.
+ALIKE = (*AS_FRONTIER, *BY_ESTIMATES, *SIBLINGS)
 
 
 def parametrized(names: Sequence[str], slow: Sequence[str] = ()) -> pytest.MarkDecorator:
@@ -31,13 +42,13 @@ def parametrized(names: Sequence[str], slow: Sequence[str] = ()) -> pytest.MarkD
 
 
 def with_rows(names: Sequence[str], rows: Sequence[dict[str, Any]], slow: Sequence[str]) -> pytest.MarkDecorator:
-    """Return a mark that runs a test for each ``name`` and ``row``; each policy is slow with two of three rows.
+    """Return a mark that runs a test for each ``name`` and ``row``; each policy is slow with five of six rows.
 
     Which rows are not slow changes from policy to policy, so that `make test` flies all of both.
     """
     found = []
     for (number, name), (k, row) in product(enumerate(names), enumerate(rows)):
-        marks = _marks(name, slow=name in slow or (number + k) % 3 > 0)
+        marks = _marks(name, slow=name in slow or (number + k) % 6 > 0)
         found.append(pytest.param(name, row, marks=marks, id="-".join([*map(str, row.values()), name])))
     return pytest.mark.parametrize(("name", "row"), found)
 

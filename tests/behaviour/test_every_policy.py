@@ -22,7 +22,7 @@ from indoor_explorers.evaluation.harness.episodes.record import Outcome, Record
 from indoor_explorers.evaluation.harness.episodes.runner import fly
 from indoor_explorers.evaluation.harness.experiment.experiment import Task
 from tests.behaviour.episodes import LOST_UAV, MOST_DITHER, Case, FailureCase, longest_dither, violations
-from tests.behaviour.policies import EXPLORERS, POLICIES, UNRELIABLE, parametrized, with_rows
+from tests.behaviour.policies import ALIKE, EXPLORERS, POLICIES, UNRELIABLE, parametrized, with_rows
 from tests.behaviour.worlds import RADIOS, covering_array, small_maps
 from tests.env.conformance.policies import MOST_CHECKS, passed_checks
 from tests.marks import slow
@@ -30,37 +30,15 @@ from tests.planners import flights
 
 ROWS = covering_array()
 REAL_MAP = Path(__file__).resolve().parents[3] / "shared" / "maps" / "slam" / "Sarmis2_map_adj.yaml"
-#: Policies that fly as `frontier` where there is no base, no prior map or no drift, which their own tests compare.
-AS_FRONTIER = ["return-to-base", "prior-tour", "loop-closing"]
-#: Policies that fly as others do, by the estimates of `frontier-predictive`; `make test` flies their golden episodes.
-BY_ESTIMATES = ["pso-predictive", "rrt-predictive", "dddqn-reports", "camera-paths"]
-#: Policies that share all but a score or an order with another one; `make test` flies their golden episodes, too.
-SIBLINGS = ["frontier-mrtsp", "frontier-octree", "frontier-hungarian", "frontier-advantage", "prm-tour", "cover-tour"]
-every_explorer = parametrized(EXPLORERS, slow=[*AS_FRONTIER, *BY_ESTIMATES, *SIBLINGS])
+every_explorer = parametrized(EXPLORERS, slow=ALIKE)
 #: Policies whose decisions take longest, and those that decide much as another one does.
-SLOW_CONFORMANCE = [
-    "rrt-aep",
-    "rrt-frontier",
-    "rrt-nbv",
-    "horizon",
-    "frontier-predictive",
-    "tours",
-    "dddqn-places",
-    "attention-sac",
-    "pomdp",
-    "bat",
-    "gso",
-    "level-by-level",
-    "frontier-tour",
-    "frontier-minpos",
-    "frontier-utility",
-    *AS_FRONTIER,
-    *BY_ESTIMATES,
-    *SIBLINGS,
-]
+SLOW_CONFORMANCE = (
+    *("rrt-aep", "rrt-frontier", "rrt-nbv", "horizon", "frontier-predictive", "tours", "dddqn-places"),
+    *("attention-sac", "pomdp", "bat", *ALIKE),
+)
 #: Those that fly the failure modes apart, as `make test` does not fly them through the conformance suite; those whose
 #: decisions take longest, and others with other radios, do so in `make test-all`.
-FAILURE_MODES_APART = ("rrt-nbv", "tours", "dddqn-places", "bat")
+FAILURE_MODES_APART = ("tours", "dddqn-places", "bat")
 #: The policies that fly the office and a real map in `make test`: one of each family; `make test-all` flies the others.
 OFFICE = ("frontier-nearest", "frontier-predictive", "pso", "dddqn")
 some_explorers = parametrized(EXPLORERS, slow=[name for name in EXPLORERS if name not in OFFICE])
@@ -85,7 +63,7 @@ def test_it_passes_the_conformance_suite(name):
     assert name in UNRELIABLE or found["failure modes"].startswith("all 9 finished")
 
 
-@with_rows(EXPLORERS, ROWS, slow=["pomdp", *AS_FRONTIER, *BY_ESTIMATES, *SIBLINGS])
+@with_rows(EXPLORERS, ROWS, slow=["pomdp", *ALIKE])
 def test_it_explores_all_with_any_team_radio_and_lidar(name: str, row: dict[str, Any], map_files: Path) -> None:
     settings = {
         **RADIOS[row["radio"]],
@@ -174,14 +152,14 @@ def test_with_nothing_left_to_explore_it_stays(name: str) -> None:
 
 
 @every_explorer
-def test_two_that_meet_in_a_corridor_pass_each_other(name: str) -> None:
+@pytest.mark.parametrize("seed", [0, *slow(1, 2)])
+def test_two_that_meet_in_a_corridor_pass_each_other(name: str, seed: int) -> None:
     free = np.zeros((7, 30), np.bool_)
     free[1:6, :5] = free[1:6, 25:] = free[3] = True
-    for seed in range(3):
-        spawns = [(3, 12), (3, 17)]
-        flight = flights.fly(make_policy(name), free, team=2, seed=seed, spawns=spawns, goal_of="agent", lidar=1.0)
-        assert (flight.world.state.end == 1).all()
-        assert flight.steps < 800
+    spawns = [(3, 12), (3, 17)]
+    flight = flights.fly(make_policy(name), free, team=2, seed=seed, spawns=spawns, goal_of="agent", lidar=1.0)
+    assert (flight.world.state.end == 1).all()
+    assert flight.steps < 800
 
 
 @every_explorer

@@ -3,7 +3,7 @@
 from indoor_explorers.env import World, make_policy, scenario
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
 from indoor_explorers.env.simulation.state import End
-from tests.behaviour.policies import POLICIES, UNRELIABLE, parametrized
+from tests.behaviour.policies import ALIKE, POLICIES, UNRELIABLE, parametrized
 
 ERRORS = {
     **{"noise.misses": 0.05, "noise.false_returns": 0.01, "noise.range_std": 0.3},
@@ -14,7 +14,7 @@ TASK = {"team": 2, "radio.model": "disc", "radio.range": 6.0, "on_collision": "b
 PRIVILEGED = ("optimum", "reference")
 
 
-@parametrized([name for name in POLICIES if name not in PRIVILEGED])
+@parametrized([name for name in POLICIES if name not in PRIVILEGED], slow=ALIKE)
 def test_a_policy_flies_with_errors(name):
     task = scenario("thesis-obstacles").for_evaluation().with_settings(TASK | ERRORS)
     policy, world = make_policy(name), World(task, 2)

@@ -16,6 +16,7 @@ from indoor_explorers.planners.sampling.roadmaps import grow_roadmap
 from indoor_explorers.planners.sampling.samples import border_cells, merged, tree_samples
 from indoor_explorers.planners.sampling.segments import ALL_KNOWN, BLOCKED, entries, trace
 from indoor_explorers.planners.sampling.trees import grow_tree
+from tests.marks import slow
 from tests.planners.flights import fly_preset
 
 SHAPE = (4, 5, 6)
@@ -161,7 +162,7 @@ def test_lattices_have_a_level_and_no_cells_between(apart: int) -> None:
         ("cover-tour", {}),
     ],
 )
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [*slow(1), 2])
 def test_planners_explore_all_storeys(name: str, settings: dict[str, bool], seed: int) -> None:
     team = {"team": 2, "radio.model": "disc", "radio.range": 8.0} if seed == 2 else {}
     world, _, _ = fly_preset(make_policy(name, **settings), "small-storeys", seed, **team)
