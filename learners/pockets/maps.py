@@ -21,6 +21,8 @@ from indoor_explorers.env.maps.files import read_map
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.maps.generators.cave import CaveMaps
 from indoor_explorers.env.maps.generators.floors.plans import FloorsMaps
+from indoor_explorers.env.maps.generators.halls import HallsMaps
+from indoor_explorers.env.maps.generators.homes import HomesMaps
 from indoor_explorers.env.maps.generators.interiors import InteriorsMaps
 from indoor_explorers.env.maps.generators.maze import MazeMaps
 from indoor_explorers.env.maps.generators.offices import OfficesMaps
@@ -81,6 +83,8 @@ class TrainingMaps:
     """Those of the files that generated maps take the place of; what is drawn instead of others stays the same."""
     levels: float = 0.0
     """Share of generated buildings of several levels."""
+    halls: float = 0.0
+    """Share of the other generated maps that are halls or homes."""
 
     def draw(self, rng: np.random.Generator) -> Floorplan:
         """Return a map; its name is ``GENERATED`` or that of its file.
@@ -105,7 +109,8 @@ class TrainingMaps:
             path = self.paths[rng.integers(len(self.paths))]
             if path not in self.left_out:
                 return varied(path, rng)
-        free = random_generator(rng).draw(rng)
+        other = self.halls > 0.0 and rng.random() < self.halls
+        free = (random_open_plan(rng) if other else random_generator(rng)).draw(rng)
         if rng.random() < RAGGED:
             free = ragged(free, rng.uniform(0.0, RAGGEDNESS), rng)
         return Floorplan.from_free(turned(free, rng), GENERATED)
@@ -131,6 +136,22 @@ def random_generator(rng: np.random.Generator) -> GeneratedMaps:
         MazeMaps(**{name: min(side, 60) for name, side in sides.items()}, corridor=int(rng.integers(1, 4))),
     ]
     return kinds[rng.choice(4, p=(0.4, 0.3, 0.2, 0.1))]
+
+
+def random_open_plan(rng: np.random.Generator) -> GeneratedMaps:
+    """Return a generator of halls or of homes, in equal shares, with random settings."""
+    sides = {"height": int(rng.integers(20, 80)), "width": int(rng.integers(20, 80))}
+    if rng.random() < 0.5:
+        return HallsMaps(**sides, side_rooms=float(rng.uniform(0.0, 0.8)), furniture=float(rng.uniform(0.0, 0.15)))
+    rooms = int(rng.integers(3, 7))
+    return HomesMaps(
+        **sides,
+        room_size=(rooms, 2 * rooms + int(rng.integers(0, 8))),
+        door=int(rng.integers(1, 4)),
+        loops=float(rng.uniform(0.0, 0.4)),
+        wide=float(rng.uniform(0.0, 0.5)),
+        furniture=float(rng.uniform(0.0, 0.25)),
+    )
 
 
 @lru_cache(maxsize=256)
@@ -207,7 +228,8 @@ def map_files(suite: str, part: Part, data: Sequence[Path]) -> FileMaps:
 
     Raises :class:`InputError` where files are missing, or the suite generates its maps.
     """
-    maps = maps_of(suite_of(suite), part, data)
+    named = suite_of(suite)
+    maps = None if named.generated else maps_of(named, part, data)
     if not isinstance(maps, FileMaps):
         raise InputError(f"expected suites of map files, got {suite!r}: generated maps are learned from without it")
     return maps
@@ -226,6 +248,8 @@ class MapSettings(LearnerSettings):
     """Folders with clones of the repositories of the suites; not part of the record."""
     left_out: Names = ()
     """Repositories of these suites whose maps to leave out, such as ``amrl_maps``; generated maps take their place."""
+    halls: float = Field(0.0, ge=0.0, le=1.0)
+    """Share of generated maps of one level that are halls, with or without columns, desks or racks, or homes."""
     map_count: int = Field(0, ge=0)
     """Different maps in the training; 0: each flight draws a new one."""
 
@@ -240,7 +264,8 @@ class MapSettings(LearnerSettings):
         Raises :class:`InputError` where files are missing, a suite generates its maps, or none has what to leave out.
         """
         paths = [path for name in self.suites for path in map_files(name, Part.TRAIN, self.folders).paths]
-        return TrainingMaps(tuple(paths), number=self.map_count, left_out=self._left_out(paths))
+        left_out = self._left_out(paths)
+        return TrainingMaps(tuple(paths), number=self.map_count, left_out=left_out, halls=self.halls)
 
     def _left_out(self, paths: Sequence[str]) -> frozenset[str]:
         homes = [home.name for home, _ in self._listed()] if self.left_out else []

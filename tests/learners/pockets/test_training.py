@@ -1,6 +1,8 @@
 import json
 import os
 import signal
+from collections import Counter
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +10,11 @@ import pytest
 import torch
 
 from indoor_explorers.env import PRESETS, InputError
+from indoor_explorers.env.grid.arrays import Mask
+from indoor_explorers.env.maps.base import GeneratedMaps
 from indoor_explorers.env.maps.floorplan import Floorplan
+from indoor_explorers.env.maps.generators.halls import HallsMaps
+from indoor_explorers.env.maps.generators.homes import HomesMaps
 from indoor_explorers.env.maps.sources import FileMaps, OfficesMaps
 from indoor_explorers.env.scenarios.suites.suite import Part
 from indoor_explorers.env.search.connected_parts import largest_part
@@ -76,6 +82,27 @@ def test_a_share_of_the_training_maps_has_levels() -> None:
     assert len({plan.level_count for plan in tall}) > 4
     for plan in tall:
         assert (plan.main_part == (plan.truth == 1)).all()
+
+
+def test_a_share_of_the_training_maps_are_halls_or_homes(monkeypatch: pytest.MonkeyPatch) -> None:
+    drawn: Counter[type[GeneratedMaps]] = Counter()
+
+    def counted(kind: type[GeneratedMaps]) -> Callable[[GeneratedMaps, np.random.Generator], Mask]:
+        draw = kind.draw
+
+        def drawing(maps: GeneratedMaps, rng: np.random.Generator) -> Mask:
+            drawn[kind] += 1
+            return draw(maps, rng)
+
+        return drawing
+
+    for kind in (HallsMaps, HomesMaps):
+        monkeypatch.setattr(kind, "draw", counted(kind))
+    for seed in range(40):
+        TrainingMaps(halls=0.5).draw(np.random.default_rng(seed))
+        TrainingMaps(halls=0.0).draw(np.random.default_rng(seed))
+    assert 10 <= drawn.total() <= 30
+    assert min(drawn[HallsMaps], drawn[HomesMaps]) >= 4
 
 
 def test_a_training_of_some_maps_draws_no_others() -> None:
@@ -211,8 +238,9 @@ def test_missing_clones_are_told_before_a_folder_is_made(tmp_path: Path) -> None
     with pytest.raises(InputError, match="git clone"):
         train(config, None, tmp_path / "out", seed=1)
     assert not (tmp_path / "out").exists()
-    with pytest.raises(InputError, match="expected suites of map files, got 'rooms'"):
-        map_files("rooms", Part.TRAIN, [])
+    for name in ("rooms", "levels"):
+        with pytest.raises(InputError, match=f"expected suites of map files, got '{name}'"):
+            map_files(name, Part.TRAIN, [])
 
 
 @pytest.mark.usefixtures("small_maps")
