@@ -45,6 +45,8 @@ class Loaded(NamedTuple):
     """Whether the network sees the estimates of the free space behind the clusters."""
     others: bool
     """Whether the network sees the other places beside each place."""
+    lookouts: int = 0
+    """Most places near the UAV that need not be at a frontier."""
 
 
 def shapes(width: int = WIDTH) -> dict[str, tuple[int, ...]]:
@@ -92,9 +94,12 @@ def without_network(loaded: Loaded) -> Loaded:
 
 
 def write_weights(path: Path, loaded: Loaded) -> None:
-    """Write weights with the settings that flying them needs."""
-    about = {name: value for name, value in loaded._asdict().items() if name != "weights"}
-    write_weights_file(path, loaded.weights._asdict(), about)
+    """Write weights with the settings that flying them needs; without lookouts, as before there were any."""
+    about = loaded._asdict()
+    weights = about.pop("weights")
+    if not loaded.lookouts:
+        del about["lookouts"]
+    write_weights_file(path, weights._asdict(), about)
 
 
 @read_once
@@ -104,8 +109,13 @@ def load_weights(path: Path) -> Loaded:
     Raises :class:`InputError` if the file is missing or holds another network.
     """
     file = read_weights_file(path, "dddqn-places")
-    prior, guess, others = file.described(
-        lambda about: (float(about["prior"]), bool(about["guess"]), bool(about["others"]))
+    settings = file.described(
+        lambda about: (
+            float(about["prior"]),
+            bool(about["guess"]),
+            bool(about["others"]),
+            int(about.get("lookouts", 0)),
+        )
     )
     width = file.arrays["second_bias"].size if "second_bias" in file.arrays else WIDTH
-    return Loaded(NetworkWeights(**file.checked(shapes(width))), prior, guess, others)
+    return Loaded(NetworkWeights(**file.checked(shapes(width))), *settings)

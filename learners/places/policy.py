@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
+from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.policies.policy import Policy
 from indoor_explorers.env.policies.view import Briefing, View
@@ -40,7 +41,9 @@ class PlacesPilot(GoalPilot):
     def __init__(self, briefing: Briefing, loaded: Loaded, sector: float = 0.0, pocket_weights: Path = POCKETS) -> None:
         super().__init__(briefing)
         self._loaded = loaded
-        self._observer = Observer(self, guess=loaded.guess, sector=sector, weights=pocket_weights)
+        self._observer = Observer(
+            self, guess=loaded.guess, lookouts=loaded.lookouts, sector=sector, weights=pocket_weights
+        )
         self.replan_period = self.steps_in(KEEP)
 
     def choose(self, view: View) -> Cell | None:
@@ -87,7 +90,7 @@ class DddqnPlaces(EstimateUser, Policy):
     for sets: Zaheer et al. 2017, arXiv:1703.06114; the mean of weights: Izmailov et al. 2018, arXiv:1803.05407.
 
     Raises:
-        InputError: ``weights`` is missing or not a file of this network.
+        InputError: ``weights`` is missing or not a file of this network, or ``lookouts`` is negative.
 
     """
 
@@ -99,9 +102,14 @@ class DddqnPlaces(EstimateUser, Policy):
     """Whether the network values places; without it the UAV follows the costs of ``frontier-predictive``."""
     sector: float = bounded(0.0, least=0)
     """Preference for the UAV's own sector of the map while teammates were never heard; see :class:`OutOfContact`."""
+    lookouts: int | None = None
+    """Most places near the UAV that need not be at a frontier, as ``frontier-predictive`` has them; None: as in the
+    training of the weights, 0 for the shipped ones."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if self.lookouts is not None and self.lookouts < 0:
+            raise InputError(f"expected lookouts of at least 0, got {self.lookouts}")
         load_weights(self.path)
 
     @property
@@ -112,6 +120,8 @@ class DddqnPlaces(EstimateUser, Policy):
     def pilot(self, briefing: Briefing) -> PlacesPilot:
         """Make the pilot of one UAV for one episode."""
         loaded = load_weights(self.path)
+        if self.lookouts is not None:
+            loaded = loaded._replace(lookouts=self.lookouts)
         network = loaded if self.network else without_network(loaded)
         return PlacesPilot(briefing, network, self.sector, self.pocket_path)
 

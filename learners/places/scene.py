@@ -24,6 +24,7 @@ from indoor_explorers.planners.toolbox.information.cluster_places import (
     log_gains,
     waiting_weights,
 )
+from indoor_explorers.planners.toolbox.information.lookouts import distinct, with_lookouts
 from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
 from indoor_explorers.planners.toolbox.navigation.teammates import remembered
 from indoor_explorers.planners.toolbox.pockets.estimates import SHIPPED, PocketEstimates, PocketEstimator
@@ -112,14 +113,24 @@ class Observer:
     Args:
         pilot: The pilot that flies to the places.
         guess: Whether to use the estimates of the free space behind the clusters, on maps of one level.
+        lookouts: Most places near the UAV that need not be at a frontier.
         sector: Preference for the own sector while teammates were never heard; see :class:`OutOfContact`.
         weights: File of the estimates' weights.
 
     """
 
-    def __init__(self, pilot: GoalPilot, *, guess: bool = True, sector: float = 0.0, weights: Path = SHIPPED) -> None:
+    def __init__(
+        self,
+        pilot: GoalPilot,
+        *,
+        guess: bool = True,
+        lookouts: int = 0,
+        sector: float = 0.0,
+        weights: Path = SHIPPED,
+    ) -> None:
         self._pilot, self._briefing = pilot, pilot.briefing
         self._range = float(pilot.briefing.lidar_range)
+        self._lookouts = lookouts
         self._found = ClusterPlaces(pilot, TRAINED_ON, stride=TRAINED_STRIDE, same=TRAINED_SAME)
         one_level = pilot.paths.rise == 0  # the estimates know no levels
         self._estimator = PocketEstimator(self._range, path=weights) if guess and one_level else None
@@ -131,6 +142,8 @@ class Observer:
         found = self._found.found(view)
         if not len(found.cells):
             return None
+        if self._lookouts:
+            found = with_lookouts(self._pilot, self._found, view, found, TRAINED_ON.discount_rate, self._lookouts)
         about = self._expected(view, found.clusters, found.away)
         mates = remembered(view, self._briefing)
         fields = [self._pilot.steps_from(view, mate.cell).ravel() for mate in mates]
@@ -140,7 +153,7 @@ class Observer:
             factors *= self._out_of_contact.left_by_unheard_at_cells(view, found.cells)
         views, kept = self._found.views(view, found.cells), self._found.at_goal(found.cells)
         every = _Candidates(found.cells, found.owner, found.steps / self._range, views, factors, kept)
-        return self._scene(view, self._best(every, about.outlook), about, mates, fields)
+        return self._scene(view, self._best(view, every, about.outlook), about, mates, fields)
 
     def _expected(self, view: View, clusters: Clusters, away: NDArray[np.int32]) -> _Clusters:
         known = int(np.count_nonzero(view.belief == FREE))
@@ -152,14 +165,17 @@ class Observer:
         outlook = self._judge.outlook(estimates, known, away)
         return _Clusters(clusters, estimates, outlook, known, float(estimates.sizes[away < UNREACHABLE].sum()))
 
-    def _best(self, found: _Candidates, outlook: Outlook) -> _Candidates:
+    def _best(self, view: View, found: _Candidates, outlook: Outlook) -> _Candidates:
         """Return one place for each cluster, the most promising ones first."""
         gains = found.factors * outlook.chances[found.owner] * found.views
         scores = log_gains(gains) - TRAINED_ON.discount_rate * found.steps
         best = self._found.best_of_each(found.owner, scores, found.kept)
         taken = found.factors[best] <= LEFT_TO_OTHERS * found.factors.max()
         rank = scores[best] - _DEFERRED_LATER * outlook.deferred[found.owner[best]] - _TAKEN_LATER * taken
-        return found.at(best[np.argsort(-rank, kind="stable")[:MOST]])
+        best = best[np.argsort(-rank, kind="stable")[:MOST]]
+        if self._lookouts:
+            best = best[distinct(self._pilot, view, found.cells[best])]
+        return found.at(best)
 
     def _scene(
         self, view: View, found: _Candidates, about: _Clusters, mates: list[Mate], fields: list[NDArray[np.int32]]

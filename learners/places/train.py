@@ -48,6 +48,8 @@ class TrainingConfig(RoundSettings):
     """Show the network the estimates of the free space behind the clusters."""
     others: bool = True
     """Show the network the other places beside each place."""
+    lookouts: int = Field(0, ge=0, le=64)
+    """Most places near the UAV that need not be at a frontier, see ``frontier-predictive``."""
     width: int = Field(WIDTH, ge=8, le=4096)
     """Units of each hidden layer."""
     levels: float = Field(0.0, ge=0.0, le=1.0)
@@ -108,7 +110,8 @@ class PlacesTraining(RoundsTraining[TrainingConfig, NetworkWeights]):
         return self._loaded(NetworkWeights(*(np.mean(layer, axis=0) for layer in layers)))
 
     def _loaded(self, weights: NetworkWeights) -> Loaded:
-        return Loaded(weights, self.config.prior, self.config.guess, self.config.others)
+        config = self.config
+        return Loaded(weights, config.prior, config.guess, config.others, config.lookouts)
 
     def write(self, folder: Path) -> None:
         """Write the network that is flown."""

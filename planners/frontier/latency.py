@@ -17,7 +17,6 @@ from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters
 from indoor_explorers.planners.toolbox.information.cluster_places import (
     LEFT_TO_OTHERS,
     ClusterPlaces,
-    PlaceCells,
     PlaceParameters,
     halved_by_mates,
     log_gains,
@@ -142,7 +141,7 @@ class LatencyPilot(GoalPilot):
         outlook = self.outlook(view, found.clusters, found.away)
         at_frontier = found.cells
         if self._policy.lookouts and len(at_frontier):
-            found = self._with_lookouts(view, found)
+            found = with_lookouts(self, self._found, view, found, self._policy.discount_rate, self._policy.lookouts)
         wanted = ~outlook.deferred[found.owner]
         found = found.selected(wanted) if wanted.any() and not wanted.all() else found
         factors = self.factors(view, found.cells, found.steps)
@@ -159,13 +158,6 @@ class LatencyPilot(GoalPilot):
             best = best[distinct(self, view, cells[best])]
         lookouts = ~np.isin(cells[best], at_frontier) if self._policy.lookouts else np.zeros(len(best), np.bool_)
         return ClusterViewpoints(cells[best], steps[best], gains[best], kept[best], lookouts)
-
-    def _with_lookouts(self, view: View, found: PlaceCells) -> PlaceCells:
-        """Return the possible viewpoints with lookouts among them."""
-        rate = self._policy.discount_rate / self._range
-        scores = log_gains(self._found.views(view, found.cells)) - rate * found.steps
-        best = self._found.best_of_each(found.owner, scores, np.zeros(len(scores), np.bool_))
-        return with_lookouts(self, view, found, best, rate, self._policy.lookouts)
 
     def _orders(self, view: View, viewpoints: ClusterViewpoints) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
         """Return the costs of the best orders that begin at each viewpoint, in lidar ranges, (K,).

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import Mask
 from indoor_explorers.env.policies.view import View
 from indoor_explorers.planners.toolbox.information.candidates import local_candidates
-from indoor_explorers.planners.toolbox.information.cluster_places import PlaceCells
+from indoor_explorers.planners.toolbox.information.cluster_places import ClusterPlaces, PlaceCells, log_gains
 from indoor_explorers.planners.toolbox.information.view_gain import visible_sets
 from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
 
@@ -24,19 +24,22 @@ KEPT = 0.5
 
 
 def with_lookouts(
-    pilot: GoalPilot, view: View, found: PlaceCells, best: NDArray[np.int64], rate: float, most: int
+    pilot: GoalPilot, places: ClusterPlaces, view: View, found: PlaceCells, discount_rate: float, most: int
 ) -> PlaceCells:
     """Return possible viewpoints with lookouts among them.
 
     Args:
         pilot: The pilot that flies to them.
+        places: Finds its viewpoints.
         view: What its UAV knows.
         found: The L viewpoints on frontiers.
-        best: (K,) numbers of the best one of each cluster among these.
-        rate: Discount rate of view gains for each step.
+        discount_rate: Discount rate of view gains per lidar range of distance.
         most: Most lookouts, those with the largest discounted gains.
 
     """
+    rate = discount_rate / pilot.briefing.lidar_range
+    scores = log_gains(places.views(view, found.cells)) - rate * found.steps
+    best = places.best_of_each(found.owner, scores, np.zeros(len(scores), np.bool_))
     field = pilot.steps_from(view, view.cell)
     near = local_candidates(view.belief, field[None], pilot.lidar, pilot.steps_in(NEAR), rate, most)
     near = near[~view.visited.ravel()[near] & ~pilot.near_banned(view, near) & ~np.isin(near, found.cells)]

@@ -42,7 +42,7 @@ def test_the_order_of_the_places_does_not_matter() -> None:
 
 @pytest.mark.parametrize("width", [WIDTH, 24])
 def test_weights_are_kept_in_files(tmp_path: Path, width: int) -> None:
-    loaded = Loaded(weights_of(some_network(width=width)), 0.25, guess=False, others=True)
+    loaded = Loaded(weights_of(some_network(width=width)), 0.25, guess=False, others=True, lookouts=8)
     write_weights(tmp_path / "a.safetensors", loaded)
     found = load_weights(tmp_path / "a.safetensors")
     assert found[1:] == loaded[1:]

@@ -1,4 +1,5 @@
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -38,6 +39,19 @@ def test_it_flies_the_shipped_weights_or_those_of_a_training(tmp_path: Path) -> 
     assert trained.seen_maps() == {"training": ["floors/train", "dungeons/train"]}
     with pytest.raises(InputError, match="expected a safetensors file, found none"):
         DddqnPlaces(weights=str(tmp_path / "no"))
+
+
+def test_lookouts_are_as_in_the_training_unless_others_are_asked_for(tmp_path: Path) -> None:
+    briefing = world_on_a_floor().briefing(0, 0)
+    write_weights(tmp_path / "places.safetensors", load_weights(SHIPPED)._replace(lookouts=8))
+
+    def lookouts(**parameters: Any) -> int:
+        return DddqnPlaces(**parameters).pilot(briefing)._loaded.lookouts
+
+    assert [lookouts(), lookouts(lookouts=4)] == [0, 4]
+    assert [lookouts(weights=str(tmp_path)), lookouts(weights=str(tmp_path), lookouts=0)] == [8, 0]
+    with pytest.raises(InputError, match="expected lookouts of at least 0, got -1"):
+        DddqnPlaces(lookouts=-1)
 
 
 def test_without_the_others_they_are_not_seen(monkeypatch: pytest.MonkeyPatch) -> None:

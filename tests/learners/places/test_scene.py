@@ -24,6 +24,7 @@ from indoor_explorers.learners.places.scene import (
 from indoor_explorers.planners.frontier.predictive import FrontierPredictive, PredictivePilot
 from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters
 from indoor_explorers.planners.toolbox.information.cluster_places import CLOSER_MATE, LEFT_TO_OTHERS, SAME, STRIDE
+from indoor_explorers.planners.toolbox.information.lookouts import NEAR
 from tests.learners.places.small import world_on_a_floor
 
 
@@ -37,8 +38,8 @@ def pilot_of(world: World, agent: int = 0) -> PlacesPilot:
     return pilot
 
 
-def observed(world: World, agent: int = 0, *, guess: bool = True) -> Scene:
-    scene = Observer(pilot_of(world, agent), guess=guess).observe(world.view(0, agent))
+def observed(world: World, agent: int = 0, *, guess: bool = True, lookouts: int = 0) -> Scene:
+    scene = Observer(pilot_of(world, agent), guess=guess, lookouts=lookouts).observe(world.view(0, agent))
     assert scene is not None
     return scene
 
@@ -56,10 +57,11 @@ def test_there_is_one_place_for_each_cluster_in_reach() -> None:
     assert scene.places.dtype == scene.common.dtype == scene.costs.dtype == np.float32
 
 
-def test_costs_are_those_of_the_planner() -> None:
+@pytest.mark.parametrize("lookouts", [0, 8])
+def test_costs_are_those_of_the_planner(lookouts: int) -> None:
     world = world_on_a_floor()
-    view, scene = world.view(0, 0), observed(world)
-    planner = PredictivePilot(world.briefing(0, 0), FrontierPredictive())
+    view, scene = world.view(0, 0), observed(world, lookouts=lookouts)
+    planner = PredictivePilot(world.briefing(0, 0), FrontierPredictive(lookouts=lookouts))
     planner.navigator.observe(view)
     goal = planner.choose(view)
     assert goal is not None
@@ -67,6 +69,17 @@ def test_costs_are_those_of_the_planner() -> None:
     assert scene.cells[best] == goal[0] * view.belief.shape[1] + goal[1]
     assert scene.costs.min() == 0.0
     assert scene.costs.max() <= COSTLIEST
+
+
+def test_lookouts_are_places_beside_the_frontier() -> None:
+    world = world_on_a_floor()
+    without, among = observed(world), observed(world, lookouts=8)
+    frontier = frontier_clusters(world.view(0, 0).belief, 10.0).cells
+    assert np.isin(without.cells, frontier).all()
+    beside = ~np.isin(among.cells, frontier)
+    assert 1 <= beside.sum() <= 8
+    assert (among.steps[beside] <= NEAR).all()
+    assert len(set(among.owner.tolist())) == len(among.cells)
 
 
 def test_without_estimates_their_columns_are_zero() -> None:

@@ -206,11 +206,11 @@ def test_flights_see_the_estimates_of_the_weights_that_are_named(tmp_path: Path)
 
 
 def test_the_weights_of_the_later_rounds_are_averaged(tmp_path: Path) -> None:
-    training = PlacesTraining(TrainingConfig(prior=0.5, others=False), 1, tmp_path)
+    training = PlacesTraining(TrainingConfig(prior=0.5, others=False, lookouts=8), 1, tmp_path)
     training.networks = [weights_of(AdvantageNet()) for _ in range(4)]
     training.save(tmp_path)
     mean, rounds = load_weights(tmp_path / "places.safetensors"), training.networks
-    assert (mean.prior, mean.guess, mean.others) == (0.5, True, False)
+    assert (mean.prior, mean.guess, mean.others, mean.lookouts) == (0.5, True, False, 8)
     np.testing.assert_allclose(mean.weights.first, (rounds[2].first + rounds[3].first) / 2, rtol=1e-6)
 
 

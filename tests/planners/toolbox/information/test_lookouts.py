@@ -37,7 +37,7 @@ def viewpoints(pilot, view):
 def test_lookouts_are_near_and_see_into_their_clusters():
     pilot, view = in_hall()
     found, best = viewpoints(pilot, view)
-    among = with_lookouts(pilot, view, found, best, 0.1, 8)
+    among = with_lookouts(pilot, pilot._found, view, found, 1.0, 8)
     added = slice(len(found.cells), None)
     assert 1 <= len(among.cells[added]) <= 8
     assert np.array_equal(among.cells[: len(found.cells)], found.cells)
@@ -50,9 +50,9 @@ def test_lookouts_are_near_and_see_into_their_clusters():
 
 def test_where_a_uav_has_been_is_no_lookout():
     pilot, view = in_hall()
-    found, best = viewpoints(pilot, view)
+    found, _ = viewpoints(pilot, view)
     been = view._replace(visited=np.ones(HALL.shape, np.bool_))
-    assert with_lookouts(pilot, been, found, best, 0.1, 8) is found
+    assert with_lookouts(pilot, pilot._found, been, found, 1.0, 8) is found
 
 
 def test_viewpoints_that_a_better_one_covers_are_left_out():
