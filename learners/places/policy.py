@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
-from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.policies.policy import Policy
 from indoor_explorers.env.policies.view import Briefing, View
@@ -102,14 +101,12 @@ class DddqnPlaces(EstimateUser, Policy):
     """Whether the network values places; without it the UAV follows the costs of ``frontier-predictive``."""
     sector: float = bounded(0.0, least=0)
     """Preference for the UAV's own sector of the map while teammates were never heard; see :class:`OutOfContact`."""
-    lookouts: int | None = None
+    lookouts: int | None = bounded(None, least=0)
     """Most places near the UAV that need not be at a frontier, as ``frontier-predictive`` has them; None: as in the
     training of the weights, 0 for the shipped ones."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.lookouts is not None and self.lookouts < 0:
-            raise InputError(f"expected lookouts of at least 0, got {self.lookouts}")
         load_weights(self.path)
 
     @property

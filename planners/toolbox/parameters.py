@@ -42,7 +42,10 @@ Range = tuple[float, float] | tuple[float, float, str]
 
 
 def bounded(default: T, least: float, most: float = inf, tunable: Range | None = None) -> T:
-    """Declare a parameter: a finite number from ``least`` to ``most``, tuned within the range ``tunable`` if any."""
+    """Declare a parameter: a finite number from ``least`` to ``most``, tuned within the range ``tunable`` if any.
+
+    Where None is the default, it is allowed as well.
+    """
     return field(default=default, metadata={"allowed": Bounds(least, most), TUNABLE: tunable})
 
 
@@ -67,8 +70,10 @@ class Parameters:
 
         """
         for name, allowed in declared(type(self)).items():
-            if wanted := allowed.refusal(getattr(self, name)):
-                raise InputError(f"{type(self).__name__}: expected {name} {wanted}, got {getattr(self, name)!r}")
+            value = getattr(self, name)
+            missing = value is None and getattr(type(self), name) is None
+            if not missing and (wanted := allowed.refusal(value)):
+                raise InputError(f"{type(self).__name__}: expected {name} {wanted}, got {value!r}")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -52,6 +52,8 @@ def test_lookouts_are_as_in_the_training_unless_others_are_asked_for(tmp_path: P
     assert [lookouts(weights=str(tmp_path)), lookouts(weights=str(tmp_path), lookouts=0)] == [8, 0]
     with pytest.raises(InputError, match="expected lookouts of at least 0, got -1"):
         DddqnPlaces(lookouts=-1)
+    with pytest.raises(InputError, match="expected sector of at least 0, got None"):
+        DddqnPlaces(sector=None)  # type: ignore[arg-type]  # None only where it is the default
 
 
 def test_without_the_others_they_are_not_seen(monkeypatch: pytest.MonkeyPatch) -> None:
