@@ -12,6 +12,12 @@ from indoor_explorers.learners.sessions.settings import Settings
 class NetworkConfig(Settings):
     """The network's shape; see :mod:`indoor_explorers.learners.dddqn.network.model`."""
 
+    encoder: Literal["none", "convolution", "attention"] = "none"
+    """What the layers of the fine map go through before the first hidden layer: nothing, two layers of convolutions, or
+    self-attention among its patches of 3x3 pixels (:mod:`indoor_explorers.learners.dddqn.network.encoders`)."""
+    residual_blocks: int = Field(0, ge=0, le=8)
+    """Residual blocks after the first hidden layer, each of two layers with a norm before them (SimBa, Lee et al.
+    2025)."""
     width: int = Field(256, ge=8, le=4096)
     """Units of each hidden layer."""
     move_width: int = Field(16, ge=1, le=256)

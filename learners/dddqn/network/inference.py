@@ -16,8 +16,18 @@ from numpy.typing import NDArray
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.learners.dddqn.network.config import NetworkConfig
+from indoor_explorers.learners.dddqn.network.encoding import (
+    AttentionWeights,
+    BlockWeights,
+    ConvolutionWeights,
+    apply_blocks,
+    encode,
+    encoded_size,
+    encoder_shapes,
+    encoder_weights,
+)
 from indoor_explorers.learners.dddqn.observation.layout import ObservationLayout, search_costs, tour_costs
-from indoor_explorers.planners.toolbox.networks.layers import as_layer, linear, relu
+from indoor_explorers.planners.toolbox.networks.layers import as_layer, layer_norm, linear, relu
 
 Array = NDArray[np.float32]
 
@@ -44,19 +54,24 @@ class NetworkWeights(NamedTuple):
     tours: Array
     layer_norm: bool
     dueling: bool
+    crop: int
+    frames: int
+    convolution: ConvolutionWeights
+    attention: AttentionWeights
+    blocks: BlockWeights
 
 
 def shapes(layout: ObservationLayout, config: NetworkConfig) -> dict[str, tuple[int, ...]]:
     """Return names and shapes of the network's arrays as torch stores them: (outputs, inputs)."""
     joined = config.width + 4 * layout.features
-    linear = {"look": (config.width, layout.inputs), "think": (config.width, joined)}
+    linear = {"look": (config.width, encoded_size(layout, config)), "think": (config.width, joined)}
     if config.dueling:
         linear["value"] = (1, config.width)
     linear["advantage"] = (4, config.width)
     if tour_costs(layout, config.tour_cost, config.tour_cost) is not None:
         linear["tours"] = (1, layout.features)
     linear |= {"move_hidden": (config.move_width, layout.features), "move_out": (1, config.move_width)}
-    found: dict[str, tuple[int, ...]] = {}
+    found = encoder_shapes(layout, config)
     for name, shape in linear.items():
         found |= {f"{name}.weight": shape} | ({} if name == "tours" else {f"{name}.bias": shape[:1]})
         if config.layer_norm and name in ("look", "think"):
@@ -76,7 +91,8 @@ def weights_from(
     there = shapes(layout, config)
     empty = {name: np.zeros((0, 0) if name == "value.weight" else 0, np.float32) for name in names if name not in there}
     found: list[Any] = [as_layer({**arrays, **empty}[name]) for name in names]
-    return NetworkWeights._make([*found, _tours(arrays, layout, config), config.layer_norm, config.dueling])
+    found += [_tours(arrays, layout, config), config.layer_norm, config.dueling, layout.crop, layout.frames]
+    return NetworkWeights._make([*found, *encoder_weights(arrays, config)])
 
 
 def _tours(arrays: Mapping[str, NDArray[Any]], layout: ObservationLayout, config: NetworkConfig) -> Array:
@@ -100,20 +116,6 @@ def without_network(weights: NetworkWeights, layout: ObservationLayout) -> Netwo
 
 
 @kernel(entry=False)
-def _norm(x: np.ndarray, scale: np.ndarray, shift: np.ndarray) -> None:
-    """Apply layer normalisation (Ba et al. 2016) in place."""
-    mean = variance = 0.0
-    for j in range(x.shape[0]):
-        mean += x[j]
-    mean /= x.shape[0]
-    for j in range(x.shape[0]):
-        variance += (x[j] - mean) ** 2
-    spread = 1.0 / np.sqrt(variance / x.shape[0] + 1e-5)
-    for j in range(x.shape[0]):
-        x[j] = np.float32((x[j] - mean) * spread) * scale[j] + shift[j]
-
-
-@kernel(entry=False)
 def _own_values(moves: np.ndarray, weights: NetworkWeights, out: np.ndarray) -> None:
     """Add the output of the network that the moves share, and of the linear weights of their features."""
     hidden = np.empty(weights.move_hidden.shape[1], np.float32)
@@ -133,14 +135,19 @@ def q_values(scenes: np.ndarray, moves: np.ndarray, weights: NetworkWeights, q: 
     width, features = weights.look.shape[1], moves.shape[2]
     look, think = np.empty(width, np.float32), np.empty(width, np.float32)
     pixels = np.empty(scenes.shape[1], np.float32)
+    encoding = weights.convolution.near.size + weights.attention.patch.size > 0
+    code = np.empty(weights.look.shape[0], np.float32) if encoding else pixels
     joined = np.empty(width + 4 * features, np.float32)
     value = np.empty(1, np.float32)
     for b in range(scenes.shape[0]):
         for i in range(pixels.shape[0]):
             pixels[i] = scenes[b, i] * np.float32(1.0 / 255.0)
-        linear(pixels, weights.look, weights.look_bias, look)
+        if encoding:
+            encode(pixels, weights.crop, weights.frames, weights.convolution, weights.attention, code)
+        linear(code, weights.look, weights.look_bias, look)
+        apply_blocks(look, weights.blocks)
         if weights.layer_norm:
-            _norm(look, weights.look_scale, weights.look_shift)
+            layer_norm(look, weights.look_scale, weights.look_shift)
         relu(look)
         for i in range(width):
             joined[i] = look[i]
@@ -149,7 +156,7 @@ def q_values(scenes: np.ndarray, moves: np.ndarray, weights: NetworkWeights, q: 
                 joined[width + k * features + i] = moves[b, k, i]
         linear(joined, weights.think, weights.think_bias, think)
         if weights.layer_norm:
-            _norm(think, weights.think_scale, weights.think_shift)
+            layer_norm(think, weights.think_scale, weights.think_shift)
         relu(think)
         linear(think, weights.advantage, weights.advantage_bias, q[b])
         _own_values(moves[b], weights, q[b])

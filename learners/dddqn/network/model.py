@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 
 from indoor_explorers.learners.dddqn.network.config import NetworkConfig
+from indoor_explorers.learners.dddqn.network.encoders import ResidualBlock, encoder
+from indoor_explorers.learners.dddqn.network.encoding import encoded_size
 from indoor_explorers.learners.dddqn.observation.layout import ObservationLayout, tour_costs
 from indoor_explorers.learners.sessions.networks import network_arrays
 
@@ -50,10 +52,10 @@ class NoisyLinear(nn.Linear):
 class DuelingNetwork(nn.Module):
     """Map scenes and move features to the values of the four moves.
 
-    The first layer encodes the scenes; the move features enter in the second layer. A small network that the moves
-    share maps each move's own features to a term of its advantage. With tour features, a skip connection adds a
-    weighted sum of them, whose initial weights are the cost of longer tours, while all other advantages start at 0:
-    the untrained network follows the tours, and training corrects it. Autocast is supported.
+    An encoder, if there is one, and the first layer encode the scenes; the move features enter in the second layer. A
+    small network that the moves share maps each move's own features to a term of its advantage. With tour features, a
+    skip connection adds a weighted sum of them, whose initial weights are the cost of longer tours, while all other
+    advantages start at 0: the untrained network follows the tours, and training corrects it. Autocast is supported.
     """
 
     def __init__(self, layout: ObservationLayout, config: NetworkConfig) -> None:
@@ -61,7 +63,9 @@ class DuelingNetwork(nn.Module):
         width, features = config.width, layout.features
         last = NoisyLinear if config.noisy else nn.Linear
         norm = nn.LayerNorm if config.layer_norm else nn.Identity
-        self.look = nn.Linear(layout.inputs, width)
+        self.encoder = encoder(layout, config)
+        self.look = nn.Linear(encoded_size(layout, config), width)
+        self.blocks = nn.Sequential(*(ResidualBlock(width) for _ in range(config.residual_blocks)))
         self.look_norm = norm(width)
         self.think = last(width + 4 * features, width)
         self.think_norm = norm(width)
@@ -80,7 +84,7 @@ class DuelingNetwork(nn.Module):
 
     def forward(self, scenes_BI: Tensor, moves_BAF: Tensor) -> Tensor:
         """Return q_BA float32 for ``scenes_BI`` (B, inputs) and ``moves_BAF`` (B, 4, features), both float32."""
-        look_BW = torch.relu(self.look_norm(self.look(scenes_BI)))
+        look_BW = torch.relu(self.look_norm(self.blocks(self.look(self.encoder(scenes_BI)))))
         joined_BJ = torch.cat([look_BW, moves_BAF.flatten(1).to(look_BW.dtype)], dim=1)
         think_BW = torch.relu(self.think_norm(self.think(joined_BJ)))
         own_BA = self.move_out(torch.relu(self.move_hidden(moves_BAF))).squeeze(2)

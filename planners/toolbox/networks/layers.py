@@ -43,6 +43,20 @@ def relu(x: np.ndarray) -> None:
 
 
 @kernel(entry=False)
+def layer_norm(x: np.ndarray, scale: np.ndarray, shift: np.ndarray) -> None:
+    """Apply layer normalisation (Ba et al. 2016) to x (N,) float32 in place."""
+    mean = variance = 0.0
+    for j in range(x.shape[0]):
+        mean += x[j]
+    mean /= x.shape[0]
+    for j in range(x.shape[0]):
+        variance += (x[j] - mean) ** 2
+    spread = 1.0 / np.sqrt(variance / x.shape[0] + 1e-5)
+    for j in range(x.shape[0]):
+        x[j] = np.float32((x[j] - mean) * spread) * scale[j] + shift[j]
+
+
+@kernel(entry=False)
 def _add_eight(
     x: np.ndarray, places: np.ndarray, shifts: np.ndarray, weight: np.ndarray, first: int, out: np.ndarray
 ) -> None:

@@ -1,11 +1,13 @@
 """The dueling network, its switches and its compiled twin."""
 
 import itertools
+from typing import Any
 
 import numpy as np
 import pytest
 import torch
 
+from indoor_explorers.env.errors import InputError
 from indoor_explorers.learners.dddqn.network.config import NetworkConfig
 from indoor_explorers.learners.dddqn.network.inference import q_values, shapes, weights_from
 from indoor_explorers.learners.dddqn.network.model import DuelingNetwork, NoisyLinear, arrays, duel, new_network
@@ -17,6 +19,11 @@ NARROW = NetworkConfig(width=32, move_width=4)
 SWITCHES = [
     NetworkConfig(width=24, move_width=3, layer_norm=norm, dueling=dueling, noisy=noisy)
     for norm, dueling, noisy in itertools.product((True, False), repeat=3)
+]
+ENCODERS = [
+    NetworkConfig(width=24, move_width=3, encoder="convolution"),
+    NetworkConfig(width=24, move_width=3, encoder="attention", residual_blocks=1),
+    NetworkConfig(width=24, move_width=3, residual_blocks=2, layer_norm=False),
 ]
 
 
@@ -75,10 +82,12 @@ def test_the_network_depends_on_its_seed_alone_and_leaves_the_global_generator()
     assert not torch.equal(new_network(SMALL, NARROW, 8).look.weight, first)
 
 
-@pytest.mark.parametrize("config", SWITCHES, ids=str)
+@pytest.mark.parametrize(
+    ("config", "crop"), [*((config, 5) for config in SWITCHES), *((config, 9) for config in ENCODERS)], ids=str
+)
 @pytest.mark.parametrize("frames", [1, 3])
-def test_the_compiled_network_equals_the_torch_network(config: NetworkConfig, frames: int) -> None:
-    layout = observation_layout(ObservationConfig(crop=5, coarse=3, layers=("unknown", "mates"), frames=frames))
+def test_the_compiled_network_equals_the_torch_network(config: NetworkConfig, crop: int, frames: int) -> None:
+    layout = observation_layout(ObservationConfig(crop=crop, coarse=3, layers=("unknown", "mates"), frames=frames))
     scenes, moves = inputs(16, layout)
     network = shaken(new_network(layout, config, 2))
     network.draw_noise(torch.Generator().manual_seed(1))
@@ -97,6 +106,15 @@ def test_the_compiled_network_gives_a_row_the_same_bits_in_any_batch() -> None:
     for b in range(16):
         q_values(scenes[b : b + 1], moves[b : b + 1], weights, alone[b : b + 1])
     assert np.array_equal(together, alone)
+
+
+@pytest.mark.parametrize(("encoder", "crop", "message"), [("convolution", 3, "at least 5"), ("attention", 5, "of 3")])
+def test_a_map_that_does_not_fit_the_encoder_is_refused(encoder: Any, crop: int, message: str) -> None:
+    layout = observation_layout(ObservationConfig(crop=crop))
+    with pytest.raises(InputError, match=message):
+        new_network(layout, NetworkConfig(encoder=encoder), 1)
+    with pytest.raises(InputError, match=message):
+        shapes(layout, NetworkConfig(encoder=encoder))
 
 
 def test_without_dueling_the_last_layer_gives_the_values_themselves() -> None:
