@@ -69,12 +69,12 @@ class Attention(Encoder):
         """Return the tokens (B, N, units) after attention."""
         side = self._side
         patches = image_BCHW.reshape(-1, self.layers, side, PATCH, side, PATCH).permute(0, 2, 4, 1, 3, 5)
-        token_BND = self.patch(patches.reshape(-1, side**2, PATCH**2 * self.layers)) + self.position
+        token_BND: Tensor = self.patch(patches.reshape(-1, side**2, PATCH**2 * self.layers)) + self.position
         query_BND, key_BND, value_BND = self.triple(self.before(token_BND)).chunk(3, dim=2)
         share_BNN = torch.relu(query_BND @ key_BND.mT) / (TOKEN**0.5 * side**2)
         token_BND = token_BND + self.mix(share_BNN @ value_BND)
-        further_BND: Tensor = self.narrow(torch.relu(self.wide(self.between(token_BND))))
-        return token_BND + further_BND
+        token_BND = token_BND + self.narrow(torch.relu(self.wide(self.between(token_BND))))
+        return token_BND
 
 
 class ResidualBlock(nn.Module):
