@@ -23,7 +23,11 @@ from indoor_explorers.evaluation.harness.experiment.request import ComparisonReq
 from indoor_explorers.evaluation.harness.experiment.selection import chosen_baselines
 from indoor_explorers.evaluation.harness.results.policy_version import version_difference
 from indoor_explorers.evaluation.harness.results.store import Store
-from indoor_explorers.evaluation.harness.results.verification import refuse_changed, refuse_mismatches
+from indoor_explorers.evaluation.harness.results.verification import (
+    refuse_changed,
+    refuse_changed_files,
+    refuse_mismatches,
+)
 
 if TYPE_CHECKING:
     from indoor_explorers.evaluation.harness.results.results import Results
@@ -95,6 +99,7 @@ def fly_missing(
             left_out = tasks.difference(tasks if only is None else only)
             finished |= {(each.name, task) for each in present for task in left_out}
             workload = Workload(experiment, finished, _worker_count(how), about=about)
+            flying = present if workload else ()
             if watcher is not None:
                 watcher.begin(len(present) * len(tasks - left_out), len(workload))
             for records in fly_jobs(workload) if workload else ():
@@ -104,6 +109,7 @@ def fly_missing(
                 if watcher is not None:
                     watcher.flown(records, workload.seconds_left())
             refuse_changed(store, number)
+            refuse_changed_files(store, number, flying)
             refuse_mismatches(store, experiment, number)
             if how.workers != 0:
                 store.add_facts(found_in_flights(experiment, store, how.memory_limit))

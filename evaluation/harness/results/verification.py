@@ -1,9 +1,12 @@
-"""Refuses a store before its report is written if its rows are not what was flown: policies could change the file."""
+"""Refuses a store before its report is written if its rows are not what was flown.
+
+Policies could change the file, and what they are made from may change while they fly.
+"""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -12,7 +15,8 @@ from indoor_explorers.env import InputError
 from indoor_explorers.env.errors import RunError
 from indoor_explorers.env.policies.registry import is_own_policy
 from indoor_explorers.evaluation.harness.episodes.mismatch import mismatch
-from indoor_explorers.evaluation.harness.experiment.experiment import Experiment, episode_name
+from indoor_explorers.evaluation.harness.experiment.experiment import Experiment, PolicyChoice, episode_name
+from indoor_explorers.evaluation.harness.experiment.sources import changed_files, outside_files
 from indoor_explorers.evaluation.harness.results.store import Store, some_of
 
 #: Seconds of simulating episodes of earlier runs again; the rest is not simulated.
@@ -38,6 +42,32 @@ def refuse_changed(store: Store, run: int) -> None:
         raise RunError(
             f"{store.path}: another program, perhaps a policy, changed it while this command ran: "
             f"{some_of(list(changed.values()))}; {DISTRUST}, then {again}"
+        )
+
+
+def refuse_changed_files(store: Store, run: int, flown: Iterable[PolicyChoice]) -> None:
+    """Refuse a run's episodes of this package's policies whose files changed meanwhile; they are set aside.
+
+    ``flown`` are the policies of the run. A training that goes on changes its weights, and workers read them again.
+
+    Raises:
+        RunError: there are such files.
+
+    """
+    facts = store.policies()
+    faults: dict[str, str] = {}
+    for choice in flown:
+        if is_own_policy(choice.use):
+            files = changed_files(facts[choice.name].get("sources"), outside_files(choice.make(), choice.use))
+            if files:
+                faults[choice.name] = f"{choice.name!r}: {', '.join(files)}"
+    if faults:
+        rows = store.rows_of([run])
+        store.set_aside([row for row, each in zip(rows, store.records_at(rows), strict=True) if each.policy in faults])
+        raise RunError(
+            "expected the files that policies fly with to stay as they are, got changes while they flew, of "
+            f"{some_of(list(faults.values()))}; these episodes are set aside: wait for the end of the training or fly "
+            "a copy of its weights, with --fresh or another --out"
         )
 
 

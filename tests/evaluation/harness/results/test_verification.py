@@ -3,6 +3,7 @@
 import json
 import sqlite3
 from contextlib import closing
+from shutil import copy
 
 import pytest
 
@@ -12,6 +13,7 @@ from indoor_explorers.evaluation.harness.experiment.planning import plan
 from indoor_explorers.evaluation.harness.experiment.request import ComparisonRequest
 from indoor_explorers.evaluation.harness.results.results import Results
 from indoor_explorers.evaluation.harness.results.rows import checksum
+from indoor_explorers.learners.dddqn.weights import shipped
 from tests.marks import slow
 
 BETTER = "UPDATE episode SET metrics = json_set(metrics, '$.t99', 3) WHERE seed = 1"
@@ -67,6 +69,25 @@ def test_what_another_program_changed_during_a_run_is_refused(name, tmp_path):
     else:
         assert str(told.value).endswith(AGAIN)
         assert [record.metrics["t99"] == 3 for record in fly(tmp_path, episodes=3)] == [False] * 3
+
+
+class Training(Edits):
+    """A watcher that replaces weights after each episode, as a training that goes on does."""
+
+    def __init__(self, weights):
+        self.flown = lambda records, seconds_left: copy(shipped()["thesis-obstacles"], weights)
+
+
+def test_weights_that_change_while_they_fly_are_refused(tmp_path):
+    weights, out = tmp_path / "weights.safetensors", tmp_path / "out"
+    copy(shipped()["thesis-open"], weights)
+    fly(out, policy=f"dddqn:{weights}", episodes=1)
+    copy(shipped()["thesis-open"], weights)  # the same again, only newer
+    with pytest.raises(
+        RunError, match=r"got changes while they flew, of 'dddqn:.*': weights: weights.safetensors; these"
+    ):
+        fly(out, Training(weights), policy=f"dddqn:{weights}", episodes=2)
+    assert [record.task.seed for record in Results.load(out).records] == [0]
 
 
 def test_episodes_of_earlier_runs_of_the_same_software_are_simulated_again(tmp_path):
