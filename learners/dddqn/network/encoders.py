@@ -45,6 +45,7 @@ class Convolution(Encoder):
 
     def encode(self, image_BCHW: Tensor) -> Tensor:
         """Return (B, rows, columns, filters) after both layers."""
+        image_BCHW = image_BCHW.contiguous(memory_format=torch.channels_last)
         return torch.relu(self.far(torch.relu(self.near(image_BCHW)))).permute(0, 2, 3, 1)
 
 
