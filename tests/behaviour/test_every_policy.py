@@ -34,7 +34,7 @@ every_explorer = parametrized(EXPLORERS, slow=ALIKE)
 #: Policies whose decisions take longest, and those that decide much as another one does.
 SLOW_CONFORMANCE = (
     *("rrt-aep", "rrt-frontier", "rrt-nbv", "horizon", "frontier-predictive", "tours", "dddqn-places"),
-    *("attention-sac", "pomdp", "bat", *ALIKE),
+    *("attention-sac", "pomdp", "bat", "aco", "sgba", "frontier-burgard", "pso-robots", *ALIKE),
 )
 #: Those that fly the failure modes apart, as `make test` does not fly them through the conformance suite; those whose
 #: decisions take longest, and others with other radios, do so in `make test-all`.

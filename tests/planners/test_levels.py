@@ -1,9 +1,9 @@
 """Planners on maps of several levels: those that change levels explore all, the others stay on theirs."""
 
 import numpy as np
-import pytest
 
 from indoor_explorers.env import World, make_policy, scenario
+from tests.behaviour.policies import ALIKE, parametrized
 from tests.planners.flights import fly_preset
 
 TASK = scenario("small-storeys").for_evaluation()
@@ -27,7 +27,7 @@ def levels_of(world):
     return {levels.voxel((row, 0))[0] for row in np.flatnonzero(world.state.visited[0].any(axis=(0, 2))).tolist()}
 
 
-@pytest.mark.parametrize("name", CHANGE)
+@parametrized(CHANGE, slow=ALIKE)
 def test_planners_that_change_levels_explore_all_of_them(name):
     world = flown(name, 3)
     assert world.team_coverage[0] == 1.0

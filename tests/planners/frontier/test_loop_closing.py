@@ -46,6 +46,7 @@ def test_a_slip_is_noticed_and_corrected_within_some_steps():
     assert world.team_coverage[0] == 1.0
 
 
+@pytest.mark.slow  # seven seconds
 def test_a_team_tells_each_other_its_errors_and_the_explorers_do_not_see_them():
     world, pilots, _ = flown(LoopClosing(), 4, **{"team": 2, "drift.rate": 0.02, "budget": 80})
     assert all(len(pilot.message) >= 2 for pilot in pilots.values())

@@ -18,6 +18,7 @@ from indoor_explorers.evaluation.harness.experiment.experiment import Task
 from indoor_explorers.planners.reference.plan import SearchBudget, plan
 from indoor_explorers.planners.reference.prior_tour import PriorTour, PriorTourPilot
 from tests.env.conformance.policies import passed_checks
+from tests.marks import spread
 from tests.planners.flights import Flight, fly, maze, rooms
 from tests.planners.reference.test_reference import EFFORT, task_of
 
@@ -83,8 +84,7 @@ def test_the_better_the_prior_the_sooner_most_is_seen() -> None:
     assert right < 1.1 * mean_t99("reference", "none")
 
 
-@pytest.mark.parametrize("radio", [("none", 0.0), ("disc", 5.0), ("unlimited", 0.0)])
-@pytest.mark.parametrize("wrong", WRONG)
+@pytest.mark.parametrize(("wrong", "radio"), spread([*WRONG], [("none", 0.0), ("disc", 5.0), ("unlimited", 0.0)]))
 def test_every_reachable_cell_becomes_known_whatever_the_prior_says(
     wrong: str, radio: tuple[str, float], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -5,6 +5,7 @@ import pytest
 
 from tests.env.simulation.slam.flights import EVERYTHING, SWITCHES, begun, disc, random_actions, task
 from tests.env.simulation.slam.reference import BASE, SlowWorld
+from tests.marks import spread
 
 TEAMS = {
     "alone": (1, {}),
@@ -121,21 +122,18 @@ def hold_against(scenario, seed, steps):
     return world
 
 
-@pytest.mark.parametrize("seed", [3, 4])
-@pytest.mark.parametrize("switch", SWITCHES)
+@pytest.mark.parametrize(("switch", "seed"), spread([*SWITCHES], [3, 4]))
 def test_a_switch_alone(switch, seed):
     hold_against(task(2, disc(4.0), SWITCHES[switch]), seed, steps=30)
 
 
-@pytest.mark.parametrize("seed", [1, 2])
-@pytest.mark.parametrize("team", TEAMS)
+@pytest.mark.parametrize(("team", "seed"), spread([*TEAMS], [1, 2]))
 def test_all_switches(team, seed):
     size, radio = TEAMS[team]
     hold_against(task(size, radio, EVERYTHING), seed, steps=30)
 
 
-@pytest.mark.parametrize("seed", [11, 12])
-@pytest.mark.parametrize("case", SPECIAL)
+@pytest.mark.parametrize(("case", "seed"), spread([*SPECIAL], [11, 12]))
 def test_all_switches_and(case, seed):
     size, *changes = SPECIAL[case]
     world = hold_against(task(size, *changes), seed, steps=30)

@@ -16,7 +16,7 @@ from indoor_explorers.evaluation.studies import bench
 from indoor_explorers.evaluation.studies.bench import deciding, exploring, growth, interfaces, worlds
 from indoor_explorers.evaluation.studies.bench.ancestor import ancestor_speed, of_world
 from indoor_explorers.evaluation.studies.bench.figure import Benchmark, Figure, human, line_of
-from tests.behaviour.policies import EXHAUSTIVE
+from tests.behaviour.policies import ALIKE, parametrized
 
 PACED = "indoor_explorers.evaluation.studies.bench.harness:Paced"
 
@@ -157,11 +157,9 @@ def test_measuring_measures():
     assert worlds.scan_time(3.0, 5) > 0
 
 
-@pytest.mark.parametrize(
-    "policy", [pytest.param(name, marks=[pytest.mark.slow] * (name in EXHAUSTIVE)) for name in policy_names()]
-)
-def test_every_policys_decisions_are_timed(policy: str) -> None:
-    found = deciding.decisions(policy, 16, 3.0, 2, 3, 1)
+@parametrized(policy_names(), slow=ALIKE)
+def test_every_policys_decisions_are_timed(name: str) -> None:
+    found = deciding.decisions(name, 16, 3.0, 2, 3, 1)
     assert len(found.seconds) == 6
     assert (found.seconds > 0).all()
 

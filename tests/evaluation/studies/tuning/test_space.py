@@ -11,6 +11,7 @@ from indoor_explorers.env.policies.tunable import Choices, Span, tunable_paramet
 from indoor_explorers.evaluation.harness.experiment.experiment import PolicyChoice
 from indoor_explorers.evaluation.studies.tuning.request import read_range
 from indoor_explorers.evaluation.studies.tuning.space import SearchSpace
+from tests.behaviour.policies import ALIKE, parametrized
 
 #: The families that are tuned, and fewest parameters of each.
 TUNED = {
@@ -65,7 +66,7 @@ def test_a_plug_ins_fields_declare_its_ranges_and_a_repeated_default_keeps_them(
         tunable_parameters(Wrong)
 
 
-@pytest.mark.parametrize("name", [name for name in policy_names() if tunable_parameters(policy_class(name))])
+@parametrized([name for name in policy_names() if tunable_parameters(policy_class(name))], slow=ALIKE)
 def test_every_shipped_range_has_the_default_in_it_and_ends_that_the_policy_takes(name):
     found = space(name)
     assert len(found.ranges) >= TUNED.get(name, 1)

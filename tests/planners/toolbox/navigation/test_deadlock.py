@@ -9,6 +9,7 @@ from indoor_explorers.env.grid.cells import FREE
 from indoor_explorers.env.search.bfs import distance_field
 from indoor_explorers.planners.toolbox.navigation.deadlock import CHOICE, passing_places, path_to_passing_place
 from indoor_explorers.planners.toolbox.navigation.paths import Paths
+from tests.marks import spread
 from tests.planners.flights import fly
 
 
@@ -22,9 +23,10 @@ def corridor(length: int, dead_ended: bool) -> Mask:
     return free
 
 
-@pytest.mark.parametrize("radio", [("none", 0.0), ("square", 3.0), ("unlimited", 0.0)], ids=lambda radio: radio[0])
-@pytest.mark.parametrize("dead_ended", [False, True])
-@pytest.mark.parametrize("team", [2, 4, 6])
+@pytest.mark.parametrize(
+    ("team", "dead_ended", "radio"),
+    spread([2, 4, 6], [False, True], [("none", 0.0), ("square", 3.0), ("unlimited", 0.0)]),
+)
 def test_uavs_in_a_row_get_past_each_other(team: int, dead_ended: bool, radio: tuple[str, float]) -> None:
     for length in (5, 12, 25):
         first = 6 + length // 2 - team // 2
