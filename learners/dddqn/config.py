@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from typing import Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from indoor_explorers.env.scenarios.loading import named_scenario
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.learners.dddqn.network.config import NetworkConfig
+from indoor_explorers.learners.dddqn.network.encoding import encoded_size
 from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
+from indoor_explorers.learners.dddqn.observation.layout import observation_layout
 from indoor_explorers.learners.dddqn.observation.scales import REFERENCE_RANGE, sensor
 from indoor_explorers.learners.sessions.settings import LearnerSettings
 
@@ -110,6 +112,11 @@ class TrainingConfig(LearnerSettings):
     """Episodes of one evaluation on each scenario: greedy, without the guard, on maps that training does not use."""
     checkpoint_every: int = Field(384_000, ge=1)
     """Moves between two checkpoints."""
+
+    @model_validator(mode="after")
+    def _fits(self) -> TrainingConfig:
+        encoded_size(observation_layout(self.observation), self.network)
+        return self
 
     def task(self, scenario: Scenario) -> Scenario:
         """Return a scenario with the training's goal, ``goal`` of the reachable cells, and its rewards."""

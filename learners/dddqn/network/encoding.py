@@ -80,7 +80,7 @@ def _grid(layout: ObservationLayout, config: NetworkConfig) -> tuple[int, int]:
             raise InputError(f"expected observation.crop of at least {2 * PATCH - 1} for convolutions, got {crop}")
         return side * side, FILTERS[1]
     if crop % PATCH:
-        raise InputError(f"expected observation.crop to be a multiple of {PATCH} for attention, got {crop}")
+        raise InputError(f"expected observation.crop to be a multiple of {PATCH} for attention, such as 15, got {crop}")
     return (crop // PATCH) ** 2, TOKEN
 
 

@@ -8,6 +8,7 @@ import pytest
 import torch
 
 from indoor_explorers.env.errors import InputError
+from indoor_explorers.learners.dddqn.config import TrainingConfig
 from indoor_explorers.learners.dddqn.network.config import NetworkConfig
 from indoor_explorers.learners.dddqn.network.inference import q_values, shapes, weights_from
 from indoor_explorers.learners.dddqn.network.model import DuelingNetwork, NoisyLinear, arrays, duel, new_network
@@ -108,13 +109,17 @@ def test_the_compiled_network_gives_a_row_the_same_bits_in_any_batch() -> None:
     assert np.array_equal(together, alone)
 
 
-@pytest.mark.parametrize(("encoder", "crop", "message"), [("convolution", 3, "at least 5"), ("attention", 5, "of 3")])
+@pytest.mark.parametrize(
+    ("encoder", "crop", "message"), [("convolution", 3, "at least 5"), ("attention", 5, "multiple of 3")]
+)
 def test_a_map_that_does_not_fit_the_encoder_is_refused(encoder: Any, crop: int, message: str) -> None:
     layout = observation_layout(ObservationConfig(crop=crop))
     with pytest.raises(InputError, match=message):
         new_network(layout, NetworkConfig(encoder=encoder), 1)
     with pytest.raises(InputError, match=message):
         shapes(layout, NetworkConfig(encoder=encoder))
+    with pytest.raises(ValueError, match=message):
+        TrainingConfig(observation=ObservationConfig(crop=crop), network=NetworkConfig(encoder=encoder))
 
 
 def test_without_dueling_the_last_layer_gives_the_values_themselves() -> None:
