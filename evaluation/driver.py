@@ -99,7 +99,6 @@ def fly_missing(
             left_out = tasks.difference(tasks if only is None else only)
             finished |= {(each.name, task) for each in present for task in left_out}
             workload = Workload(experiment, finished, _worker_count(how), about=about)
-            flying = present if workload else ()
             if watcher is not None:
                 watcher.begin(len(present) * len(tasks - left_out), len(workload))
             for records in fly_jobs(workload) if workload else ():
@@ -109,7 +108,7 @@ def fly_missing(
                 if watcher is not None:
                     watcher.flown(records, workload.seconds_left())
             refuse_changed(store, number)
-            refuse_changed_files(store, number, flying)
+            refuse_changed_files(store, number, present)
             refuse_mismatches(store, experiment, number)
             if how.workers != 0:
                 store.add_facts(found_in_flights(experiment, store, how.memory_limit))

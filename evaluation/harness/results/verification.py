@@ -45,24 +45,23 @@ def refuse_changed(store: Store, run: int) -> None:
         )
 
 
-def refuse_changed_files(store: Store, run: int, flown: Iterable[PolicyChoice]) -> None:
+def refuse_changed_files(store: Store, run: int, choices: Iterable[PolicyChoice]) -> None:
     """Refuse a run's episodes of this package's policies whose files changed meanwhile; they are set aside.
 
-    ``flown`` are the policies of the run. A training that goes on changes its weights, and workers read them again.
+    ``choices`` are the policies of the run. A training that goes on changes its weights, and workers read them again.
 
     Raises:
         RunError: there are such files.
 
     """
-    facts = store.policies()
+    rows, facts = store.rows_of([run]), store.policies()
     faults: dict[str, str] = {}
-    for choice in flown:
+    for choice in choices if rows else ():
         if is_own_policy(choice.use):
             files = changed_files(facts[choice.name].get("sources"), outside_files(choice.make(), choice.use))
             if files:
                 faults[choice.name] = f"{choice.name!r}: {', '.join(files)}"
     if faults:
-        rows = store.rows_of([run])
         store.set_aside([row for row, each in zip(rows, store.records_at(rows), strict=True) if each.policy in faults])
         raise RunError(
             "expected the files that policies fly with to stay as they are, got changes while they flew, of "

@@ -6,11 +6,13 @@ leaves the rest of the scene (coarse map, sides and numbers) as it is.
 
 from __future__ import annotations
 
+from abc import abstractmethod
+
 import torch
 from torch import Tensor, nn
 
 from indoor_explorers.learners.dddqn.network.config import NetworkConfig
-from indoor_explorers.learners.dddqn.network.encoding import FILTERS, PATCH, STRIDE, TOKEN, encoded_size, fine_layers
+from indoor_explorers.learners.dddqn.network.encoding import FILTERS, PATCH, STRIDE, TOKEN, fine_layers
 from indoor_explorers.learners.dddqn.observation.layout import ObservationLayout
 
 
@@ -19,20 +21,20 @@ class Encoder(nn.Module):
 
     def __init__(self, layout: ObservationLayout) -> None:
         super().__init__()
-        self._layout, self.layers = layout, fine_layers(layout)
+        self._layout, self._pixels = layout, fine_layers(layout) * layout.crop**2
+        self.layers = layout.frames * fine_layers(layout)
 
     def forward(self, scenes_BI: Tensor) -> Tensor:
         """Return the encoded scenes (B, E) for ``scenes_BI`` (B, inputs); E is ``encoded_size``."""
-        layout = self._layout
-        pixels = self.layers * layout.crop**2 // layout.frames
+        layout, pixels = self._layout, self._pixels
         scenes_BFS = scenes_BI.view(-1, layout.frames, layout.scene)
         image_BCHW = scenes_BFS[:, :, :pixels].reshape(-1, self.layers, layout.crop, layout.crop)
         code_BE = self.encode(image_BCHW).flatten(1)
         return torch.cat([code_BE, scenes_BFS[:, :, pixels:].flatten(1).to(code_BE.dtype)], dim=1)
 
+    @abstractmethod
     def encode(self, image_BCHW: Tensor) -> Tensor:
-        """Return the codes (B, places, units) of images; the base class leaves them as they are."""
-        raise NotImplementedError
+        """Return the codes of images (B, layers, crop, crop), of any shape (B, ...)."""
 
 
 class Convolution(Encoder):
@@ -50,7 +52,7 @@ class Convolution(Encoder):
 
 
 class Attention(Encoder):
-    """A layer of self-attention among patches of the map, and two linear layers for each (Dosovitskiy et al. 2021).
+    """A layer of self-attention among patches of the map, and a residual block for each (Dosovitskiy et al. 2021).
 
     Shares are ReLU(q k / sqrt(units)) / N for N patches in place of a softmax (Wortsman et al. 2023, arXiv:2309.08586):
     they need no exponential function, whose last bits differ between machines.
@@ -61,10 +63,10 @@ class Attention(Encoder):
         self._side = layout.crop // PATCH
         self.patch = nn.Linear(PATCH**2 * self.layers, TOKEN)
         self.position = nn.Parameter(0.1 * torch.randn(self._side**2, TOKEN))
-        self.before, self.between = nn.LayerNorm(TOKEN), nn.LayerNorm(TOKEN)
+        self.before = nn.LayerNorm(TOKEN)
         self.triple = nn.Linear(TOKEN, 3 * TOKEN)
         self.mix = nn.Linear(TOKEN, TOKEN)
-        self.wide, self.narrow = nn.Linear(TOKEN, 2 * TOKEN), nn.Linear(2 * TOKEN, TOKEN)
+        self.block = ResidualBlock(TOKEN)
 
     def encode(self, image_BCHW: Tensor) -> Tensor:
         """Return the tokens (B, N, units) after attention."""
@@ -73,9 +75,8 @@ class Attention(Encoder):
         token_BND: Tensor = self.patch(patches.reshape(-1, side**2, PATCH**2 * self.layers)) + self.position
         query_BND, key_BND, value_BND = self.triple(self.before(token_BND)).chunk(3, dim=2)
         share_BNN = torch.relu(query_BND @ key_BND.mT) / (TOKEN**0.5 * side**2)
-        token_BND = token_BND + self.mix(share_BNN @ value_BND)
-        token_BND = token_BND + self.narrow(torch.relu(self.wide(self.between(token_BND))))
-        return token_BND
+        attended_BND: Tensor = self.block(token_BND + self.mix(share_BNN @ value_BND))
+        return attended_BND
 
 
 class ResidualBlock(nn.Module):
@@ -83,21 +84,17 @@ class ResidualBlock(nn.Module):
 
     def __init__(self, width: int) -> None:
         super().__init__()
-        self.norm, self.wide, self.narrow = (
-            nn.LayerNorm(width),
-            nn.Linear(width, 2 * width),
-            nn.Linear(2 * width, width),
-        )
+        self.norm = nn.LayerNorm(width)
+        self.wide, self.narrow = nn.Linear(width, 2 * width), nn.Linear(2 * width, width)
 
     def forward(self, x_BW: Tensor) -> Tensor:
-        """Return the sum (B, width)."""
+        """Return the sum (..., width)."""
         change_BW: Tensor = self.narrow(torch.relu(self.wide(self.norm(x_BW))))
         return x_BW + change_BW
 
 
 def encoder(layout: ObservationLayout, config: NetworkConfig) -> nn.Module:
-    """Return the encoder of a configuration. Raises :class:`InputError` if the fine map does not fit it."""
-    encoded_size(layout, config)
+    """Return the encoder of a configuration, whose output has ``encoded_size`` numbers."""
     if config.encoder == "none":
         return nn.Identity()
     return Convolution(layout) if config.encoder == "convolution" else Attention(layout)

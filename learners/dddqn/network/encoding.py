@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -32,6 +32,17 @@ class ConvolutionWeights(NamedTuple):
     far_bias: Array
 
 
+class BlockWeights(NamedTuple):
+    """K residual blocks: (K, width, 2 width), (K, 2 width, width) and vectors (K, ...)."""
+
+    norm: Array
+    norm_shift: Array
+    wide: Array
+    wide_bias: Array
+    narrow: Array
+    narrow_bias: Array
+
+
 class AttentionWeights(NamedTuple):
     """Matrices (inputs, outputs) and the positions (N, units) of N patches; empty for another encoder."""
 
@@ -44,28 +55,12 @@ class AttentionWeights(NamedTuple):
     triple_bias: Array
     mix: Array
     mix_bias: Array
-    between: Array
-    between_shift: Array
-    wide: Array
-    wide_bias: Array
-    narrow: Array
-    narrow_bias: Array
-
-
-class BlockWeights(NamedTuple):
-    """The K residual blocks: (K, width, 2 width), (K, 2 width, width) and vectors (K, ...)."""
-
-    norm: Array
-    norm_shift: Array
-    wide: Array
-    wide_bias: Array
-    narrow: Array
-    narrow_bias: Array
+    block: BlockWeights
 
 
 def fine_layers(layout: ObservationLayout) -> int:
-    """Return the layers of the fine map, those of all stacked scenes together."""
-    return int((layout.layers >= 0).sum()) * layout.frames
+    """Return the layers of the fine map in one scene."""
+    return int((layout.layers >= 0).sum())
 
 
 def _grid(layout: ObservationLayout, config: NetworkConfig) -> tuple[int, int]:
@@ -92,14 +87,15 @@ def encoded_size(layout: ObservationLayout, config: NetworkConfig) -> int:
     if config.encoder == "none":
         return layout.inputs
     places, units = _grid(layout, config)
-    return layout.inputs - fine_layers(layout) * layout.crop**2 + places * units
+    return layout.inputs - layout.frames * fine_layers(layout) * layout.crop**2 + places * units
 
 
 def encoder_shapes(layout: ObservationLayout, config: NetworkConfig) -> dict[str, tuple[int, ...]]:
     """Return names and shapes of the arrays of the encoder and the residual blocks, as torch stores them."""
     found: dict[str, tuple[int, ...]] = {}
     linears: dict[str, tuple[int, ...]] = {}
-    layers, width = fine_layers(layout), config.width
+    layers = layout.frames * fine_layers(layout)
+    blocks = {f"blocks.{k}": config.width for k in range(config.residual_blocks)}
     if config.encoder == "convolution":
         linears |= {"encoder.near": (FILTERS[0], layers, PATCH, PATCH), "encoder.far": (*FILTERS[::-1], PATCH, PATCH)}
     elif config.encoder == "attention":
@@ -109,12 +105,9 @@ def encoder_shapes(layout: ObservationLayout, config: NetworkConfig) -> dict[str
             "encoder.before": (TOKEN,),
             "encoder.triple": (3 * TOKEN, TOKEN),
             "encoder.mix": (TOKEN, TOKEN),
-            "encoder.between": (TOKEN,),
-            "encoder.wide": (2 * TOKEN, TOKEN),
-            "encoder.narrow": (TOKEN, 2 * TOKEN),
         }
-    for k in range(config.residual_blocks):
-        at = f"blocks.{k}"
+        blocks["encoder.block"] = TOKEN
+    for at, width in blocks.items():
         linears |= {f"{at}.norm": (width,), f"{at}.wide": (2 * width, width), f"{at}.narrow": (width, 2 * width)}
     for name, shape in linears.items():
         found |= {f"{name}.weight": shape, f"{name}.bias": shape[:1]}
@@ -131,20 +124,39 @@ def encoder_weights(
             return [np.zeros((0,) * axes, np.float32), np.zeros(0, np.float32)]
         return [as_layer(arrays[f"{name}.{part}"]) for part in ("weight", "bias")]
 
-    def blocks(name: str, axes: int) -> list[Array]:
-        pairs = [pair(f"blocks.{k}.{name}", axes) for k in range(config.residual_blocks)]
-        empty = [np.zeros((0,) * n, np.float32) for n in (axes + 1, 2)]
-        return [np.stack(parts) for parts in zip(*pairs, strict=True)] if pairs else empty
+    def blocks(names: Sequence[str]) -> BlockWeights:
+        found: list[Array] = []
+        for layer, axes in (("norm", 1), ("wide", 2), ("narrow", 2)):
+            pairs = [pair(f"{name}.{layer}", axes) for name in names]
+            empty = [np.zeros((0,) * n, np.float32) for n in (axes + 1, 2)]
+            found += [np.stack(parts) for parts in zip(*pairs, strict=True)] if pairs else empty
+        return BlockWeights(*found)
 
     position = np.ascontiguousarray(arrays.get("encoder.position", np.zeros((0, 0))), np.float32)
-    attention = [*pair("encoder.patch", 2), position, *pair("encoder.before", 1), *pair("encoder.triple", 2)]
-    attention += [*pair("encoder.mix", 2), *pair("encoder.between", 1)]
-    attention += [*pair("encoder.wide", 2), *pair("encoder.narrow", 2)]
+    attention: list[Any] = [*pair("encoder.patch", 2), position, *pair("encoder.before", 1)]
+    attention += [*pair("encoder.triple", 2), *pair("encoder.mix", 2)]
+    attention.append(blocks(["encoder.block"] if config.encoder == "attention" else []))
     return (
         ConvolutionWeights(*pair("encoder.near", 4), *pair("encoder.far", 4)),
-        AttentionWeights(*attention),
-        BlockWeights(*blocks("norm", 1), *blocks("wide", 2), *blocks("narrow", 2)),
+        AttentionWeights._make(attention),
+        blocks([f"blocks.{k}" for k in range(config.residual_blocks)]),
     )
+
+
+@kernel(entry=False)
+def apply_blocks(x: np.ndarray, blocks: BlockWeights) -> None:
+    """Apply the residual blocks to x (width,) float32 in place."""
+    if blocks.norm.shape[0] == 0:
+        return
+    near, wide = np.empty_like(x), np.empty(2 * x.shape[0], np.float32)
+    for k in range(blocks.norm.shape[0]):
+        near[:] = x
+        layer_norm(near, blocks.norm[k], blocks.norm_shift[k])
+        linear(near, blocks.wide[k], blocks.wide_bias[k], wide)
+        relu(wide)
+        linear(wide, blocks.narrow[k], blocks.narrow_bias[k], near)
+        for j in range(x.shape[0]):
+            x[j] += near[j]
 
 
 @kernel(entry=False)
@@ -154,7 +166,7 @@ def _attended(image: np.ndarray, weights: AttentionWeights, tokens: np.ndarray) 
     side, layers = image.shape[0] // PATCH, image.shape[2]
     pixels = np.empty(weights.patch.shape[0], np.float32)
     triples = np.empty((count, 3 * units), np.float32)
-    near, mixed, wide = np.empty(units, np.float32), np.empty(units, np.float32), np.empty(2 * units, np.float32)
+    near, mixed = np.empty(units, np.float32), np.empty(units, np.float32)
     for n in range(count):
         row, col = n // side * PATCH, n % side * PATCH
         for layer in range(layers):
@@ -179,13 +191,7 @@ def _attended(image: np.ndarray, weights: AttentionWeights, tokens: np.ndarray) 
         linear(mixed, weights.mix, weights.mix_bias, near)
         for j in range(units):
             tokens[n, j] += near[j]
-            near[j] = tokens[n, j]
-        layer_norm(near, weights.between, weights.between_shift)
-        linear(near, weights.wide, weights.wide_bias, wide)
-        relu(wide)
-        linear(wide, weights.narrow, weights.narrow_bias, near)
-        for j in range(units):
-            tokens[n, j] += near[j]
+        apply_blocks(tokens[n], weights.block)
 
 
 @kernel(entry=False)
@@ -219,19 +225,3 @@ def encode(
         near = convolved(image, convolution.near, convolution.near_bias, 1)
         far = convolved(near, convolution.far, convolution.far_bias, STRIDE)
         code[: far.size] = far.reshape(far.size)
-
-
-@kernel(entry=False)
-def apply_blocks(x: np.ndarray, blocks: BlockWeights) -> None:
-    """Apply the residual blocks to x (width,) float32 in place."""
-    if blocks.norm.shape[0] == 0:
-        return
-    near, wide = np.empty_like(x), np.empty(2 * x.shape[0], np.float32)
-    for k in range(blocks.norm.shape[0]):
-        near[:] = x
-        layer_norm(near, blocks.norm[k], blocks.norm_shift[k])
-        linear(near, blocks.wide[k], blocks.wide_bias[k], wide)
-        relu(wide)
-        linear(wide, blocks.narrow[k], blocks.narrow_bias[k], near)
-        for j in range(x.shape[0]):
-            x[j] += near[j]
