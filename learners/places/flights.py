@@ -23,9 +23,9 @@ from indoor_explorers.learners.places.network import Loaded, values
 from indoor_explorers.learners.places.policy import PlacesPilot
 from indoor_explorers.learners.places.scene import MOST, Scene
 from indoor_explorers.learners.places.truth import TrueMap, Truth, truth_of
-from indoor_explorers.learners.pockets.maps import TrainingMaps, team_settings
+from indoor_explorers.learners.pockets.maps import TrainingMaps, lidar_over_levels, team_settings
 from indoor_explorers.planners.toolbox.networks.tensors import read_tensors, write_tensors
-from indoor_explorers.planners.toolbox.pockets.estimates import SHIPPED as POCKETS
+from indoor_explorers.planners.toolbox.pockets.estimates import DEFAULT_FILES, EstimateFiles
 
 Arrays = Mapping[str, NDArray[Any]]
 
@@ -87,10 +87,6 @@ FEWEST, LARGEST = 400, 4500
 #: Lidar ranges in cells and numbers of UAVs, each with their shares of the flights.
 RANGES, RANGE_SHARES = (10.0, 7.0, 14.0), (0.8, 0.1, 0.1)
 TEAMS, TEAM_SHARES = (1, 2, 4), (0.6, 0.2, 0.2)
-#: Lidar ranges in buildings of several levels, in equal shares as numbers of UAVs are there, and degrees that the lidar
-#: looks up and down there, with their shares.
-VOLUME_RANGES = (4.0, 7.0, 10.0)
-ELEVATIONS, ELEVATION_SHARES = (90.0, 15.0), (0.7, 0.3)
 #: Cost of a step before 90 % coverage, beyond that of every step, which is 1.
 EARLY = 0.5
 #: Coverage up to which a step costs more, and at which a flight ends.
@@ -127,18 +123,18 @@ class _Recorder(Policy):
 
     loaded: Loaded
     recording: _Recording
-    pocket_weights: Path
+    files: EstimateFiles
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""
-        return RecordingPilot(briefing, self.loaded, self.recording, self.pocket_weights)
+        return RecordingPilot(briefing, self.loaded, self.recording, self.files)
 
 
 class RecordingPilot(PlacesPilot):
     """Choose at random, with probabilities that grow with the values, and record the choice with the truth."""
 
-    def __init__(self, briefing: Briefing, loaded: Loaded, recording: _Recording, pocket_weights: Path) -> None:
-        super().__init__(briefing, loaded, pocket_weights=pocket_weights)
+    def __init__(self, briefing: Briefing, loaded: Loaded, recording: _Recording, files: EstimateFiles) -> None:
+        super().__init__(briefing, loaded, files=files)
         self._recording = recording
 
     def pick(self, view: View, scene: Scene) -> int:
@@ -160,15 +156,13 @@ def _task(plan: Floorplan, rng: np.random.Generator) -> dict[str, Any]:
     if plan.level_count == 1:
         reach, team = float(rng.choice(RANGES, p=RANGE_SHARES)), int(rng.choice(TEAMS, p=TEAM_SHARES))
         return {"lidar.range": reach, "budget": None, **team_settings(team, rng)}
-    reach, elevation = float(rng.choice(VOLUME_RANGES)), float(rng.choice(ELEVATIONS, p=ELEVATION_SHARES))
-    above = {"map.least_levels": plan.level_count, "lidar.elevation": elevation}
-    return {"lidar.range": reach, "budget": None, **above, **team_settings(int(rng.choice(TEAMS)), rng)}
+    return {"budget": None, **lidar_over_levels(plan, rng), **team_settings(int(rng.choice(TEAMS)), rng)}
 
 
-def fly(maps: TrainingMaps, seed: int, loaded: Loaded, pocket_weights: Path = POCKETS) -> TrainingFlight:
+def fly(maps: TrainingMaps, seed: int, loaded: Loaded, files: EstimateFiles = DEFAULT_FILES) -> TrainingFlight:
     """Return a flight of a network over a map drawn by a seed, with a lidar, team and radio drawn likewise.
 
-    ``pocket_weights`` is the file of the weights of the estimates that the network sees.
+    ``files`` has the weights of the estimates that the network sees.
     """
     rng = np.random.default_rng([seed, 11])
     plan = maps.draw(rng)
@@ -181,7 +175,7 @@ def fly(maps: TrainingMaps, seed: int, loaded: Loaded, pocket_weights: Path = PO
     levels = plan.levels
     reachable = distance_field(plan.truth, world.view(0, 0).cell, levels.rise) < UNREACHABLE
     recording = _Recording(TrueMap(plan.truth, reachable, levels), rng, {})
-    policy = _Recorder(loaded=loaded, recording=recording, pocket_weights=pocket_weights)
+    policy = _Recorder(loaded=loaded, recording=recording, files=files)
     coverage = [world.team_coverage[0]]
     for _ in rollout(world, ask_pilots(policy, make_pilots(policy, world), world)):
         coverage.append(world.team_coverage[0])

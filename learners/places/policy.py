@@ -16,8 +16,8 @@ from indoor_explorers.learners.sessions.record import digest_of
 from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
 from indoor_explorers.planners.toolbox.networks.weights_file import weights_path
 from indoor_explorers.planners.toolbox.parameters import bounded
-from indoor_explorers.planners.toolbox.pockets.estimates import SHIPPED as POCKETS
-from indoor_explorers.planners.toolbox.pockets.outlook import EstimateUser
+from indoor_explorers.planners.toolbox.pockets.estimates import DEFAULT_FILES, EstimateFiles
+from indoor_explorers.planners.toolbox.pockets.outlook import LevelEstimateUser
 
 #: A goal is kept for this many lidar ranges of flight, unless it has no gain left before.
 KEEP = 1.0
@@ -30,19 +30,19 @@ class PlacesPilot(GoalPilot):
         briefing: Briefing of the UAV.
         loaded: The network.
         sector: Preference for the own sector while teammates were never heard.
-        pocket_weights: File of the estimates' weights.
+        files: Files of the estimates' weights.
 
     """
 
     changes_levels: ClassVar[bool] = True
     straight = True
 
-    def __init__(self, briefing: Briefing, loaded: Loaded, sector: float = 0.0, pocket_weights: Path = POCKETS) -> None:
+    def __init__(
+        self, briefing: Briefing, loaded: Loaded, sector: float = 0.0, files: EstimateFiles = DEFAULT_FILES
+    ) -> None:
         super().__init__(briefing)
         self._loaded = loaded
-        self._observer = Observer(
-            self, guess=loaded.guess, lookouts=loaded.lookouts, sector=sector, weights=pocket_weights
-        )
+        self._observer = Observer(self, guess=loaded.guess, lookouts=loaded.lookouts, sector=sector, files=files)
         self.replan_period = self.steps_in(KEEP)
 
     def choose(self, view: View) -> Cell | None:
@@ -76,7 +76,7 @@ NAME = "places.safetensors"
 
 
 @dataclass(frozen=True, kw_only=True)
-class DddqnPlaces(EstimateUser, Policy):
+class DddqnPlaces(LevelEstimateUser, Policy):
     """Fly to the frontier cluster that a dueling network values most, on maps of any size.
 
     Each cluster is a place; the network sees all of them, the free space expected behind them, and the costs of the
@@ -120,7 +120,7 @@ class DddqnPlaces(EstimateUser, Policy):
         if self.lookouts is not None:
             loaded = loaded._replace(lookouts=self.lookouts)
         network = loaded if self.network else without_network(loaded)
-        return PlacesPilot(briefing, network, self.sector, self.pocket_path)
+        return PlacesPilot(briefing, network, self.sector, self.estimate_files)
 
     def provenance(self) -> dict[str, str]:
         """Return the hashes of the network's weights and of those of the estimates."""

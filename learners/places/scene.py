@@ -5,7 +5,6 @@ Distances are in lidar ranges, so that one network fits every lidar. Nothing com
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -27,7 +26,7 @@ from indoor_explorers.planners.toolbox.information.cluster_places import (
 from indoor_explorers.planners.toolbox.information.lookouts import distinct, with_lookouts
 from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
 from indoor_explorers.planners.toolbox.navigation.teammates import remembered
-from indoor_explorers.planners.toolbox.pockets.estimates import SHIPPED, PocketEstimates, PocketEstimator
+from indoor_explorers.planners.toolbox.pockets.estimates import DEFAULT_FILES, EstimateFiles, PocketEstimates
 from indoor_explorers.planners.toolbox.pockets.network import THRESHOLDS
 from indoor_explorers.planners.toolbox.pockets.outlook import ClusterJudge, Outlook, OutlookParameters
 from indoor_explorers.planners.toolbox.routing.min_latency import best_orders
@@ -112,10 +111,10 @@ class Observer:
 
     Args:
         pilot: The pilot that flies to the places.
-        guess: Whether to use the estimates of the free space behind the clusters, on maps of one level.
+        guess: Whether to use the estimates of the free space behind the clusters.
         lookouts: Most places near the UAV that need not be at a frontier.
         sector: Preference for the own sector while teammates were never heard; see :class:`OutOfContact`.
-        weights: File of the estimates' weights.
+        files: Files of the estimates' weights.
 
     """
 
@@ -126,14 +125,13 @@ class Observer:
         guess: bool = True,
         lookouts: int = 0,
         sector: float = 0.0,
-        weights: Path = SHIPPED,
+        files: EstimateFiles = DEFAULT_FILES,
     ) -> None:
         self._pilot, self._briefing = pilot, pilot.briefing
         self._range = float(pilot.briefing.lidar_range)
         self._lookouts = lookouts
         self._found = ClusterPlaces(pilot, TRAINED_ON, stride=TRAINED_STRIDE, same=TRAINED_SAME)
-        one_level = pilot.paths.rise == 0  # the estimates know no levels
-        self._estimator = PocketEstimator(self._range, path=weights) if guess and one_level else None
+        self._estimator = files.estimator(pilot.briefing) if guess else None
         self._judge = ClusterJudge(pilot.briefing, TRAINED_OUTLOOK)
         self._out_of_contact = OutOfContact(pilot.briefing, sector=sector) if sector else None
 

@@ -15,11 +15,11 @@ from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 import torch
-from pydantic import Field, field_validator
+from pydantic import Field, model_validator
 
 from indoor_explorers.learners.places.flights import choices_of, fly, read_choices, write_choices
 from indoor_explorers.learners.places.learning import LATER, advantages, explained, learn_choices, learn_values
@@ -31,7 +31,7 @@ from indoor_explorers.learners.pockets.maps import TrainingMaps, map_record
 from indoor_explorers.learners.sessions.session import Session
 from indoor_explorers.learners.sessions.tensorboard import Scalars
 from indoor_explorers.learners.sessions.train import TrainingMethod
-from indoor_explorers.planners.toolbox.pockets.estimates import load_weights, pocket_path
+from indoor_explorers.planners.toolbox.pockets.estimates import EstimateFiles
 
 __all__ = ["DEFAULT_SCENARIO", "SCALING", "SCALING_AXES", "TrainingConfig", "flown", "train"]
 
@@ -53,24 +53,30 @@ class TrainingConfig(RoundSettings):
     width: int = Field(WIDTH, ge=8, le=4096)
     """Units of each hidden layer."""
     levels: float = Field(0.0, ge=0.0, le=1.0)
-    """Share of the flights in generated buildings of several levels, where the network sees no estimates."""
+    """Share of the flights in generated buildings of several levels."""
     pocket_weights: str | None = None
     """Path of a training's folder, or of weights, of the network that estimates pockets; None: the shipped ones."""
+    level_weights: str | None = None
+    """The same for maps of several levels, or ``shipped`` for the shipped ones; None: there are no estimates there."""
 
-    @field_validator("pocket_weights")
-    @classmethod
-    def _are_estimates(cls, given: str | None) -> str | None:
-        load_weights(pocket_path(given))
-        return given
+    @property
+    def estimate_files(self) -> EstimateFiles:
+        """The files of the weights of the estimates."""
+        return EstimateFiles.named(self.pocket_weights, self.level_weights)
+
+    @model_validator(mode="after")
+    def _are_estimates(self) -> Self:
+        _ = self.estimate_files
+        return self
 
     def maps(self) -> TrainingMaps:
         """Return the training maps, with buildings of several levels among them."""
         return replace(super().maps(), levels=self.levels)
 
 
-def fly_seeds(maps: TrainingMaps, loaded: Loaded, pocket_weights: Path, path: Path, seeds: range) -> None:
+def fly_seeds(maps: TrainingMaps, loaded: Loaded, files: EstimateFiles, path: Path, seeds: range) -> None:
     """Fly a network, a flight for each seed, and write the choices to a file."""
-    write_choices(path, choices_of([fly(maps, seed, loaded, pocket_weights) for seed in seeds]))
+    write_choices(path, choices_of([fly(maps, seed, loaded, files) for seed in seeds]))
 
 
 class PlacesTraining(RoundsTraining[TrainingConfig, NetworkWeights]):
@@ -85,7 +91,7 @@ class PlacesTraining(RoundsTraining[TrainingConfig, NetworkWeights]):
 
     def flying(self) -> Callable[[Path, range], None]:
         """Return the function that flies the latest network."""
-        return partial(fly_seeds, self.maps, self._loaded(self.networks[-1]), pocket_path(self.config.pocket_weights))
+        return partial(fly_seeds, self.maps, self._loaded(self.networks[-1]), self.config.estimate_files)
 
     def learned(self, paths: Sequence[Path]) -> tuple[NetworkWeights, dict[str, int | float]]:
         """Return the next network, and figures of the round."""

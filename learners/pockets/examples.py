@@ -16,17 +16,20 @@ from indoor_explorers.env.scenarios.presets import on_files
 from indoor_explorers.env.search.bfs import distance_field
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
 from indoor_explorers.env.simulation.world import World
-from indoor_explorers.learners.pockets.maps import GENERATED, TrainingMaps
+from indoor_explorers.learners.pockets.maps import GENERATED, TrainingMaps, lidar_over_levels
 from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters, frontier_clusters, nearest_cells
 from indoor_explorers.planners.toolbox.pockets.features import pictures
 from indoor_explorers.planners.toolbox.pockets.labels import true_pockets
 
 #: Policies that fly; each flight draws one.
 POLICIES = ("frontier-nearest", "frontier", "frontier-latency")
-#: Approximate number of snapshots in a flight, and most clusters in a snapshot.
-SNAPSHOTS, CLUSTERS = 36, 12
+#: Approximate number of snapshots in a flight, and most clusters in a snapshot, on plain maps and over levels, where
+#: pictures are five times as large.
+SNAPSHOTS, CLUSTERS, LEVEL_CLUSTERS = 36, 12, 6
 #: Lidar ranges in cells, and their shares of the flights.
 RANGES, SHARES = (10.0, 7.0, 5.0, 14.0, 20.0), (0.6, 0.1, 0.1, 0.1, 0.1)
+#: Approximate steps of a flight for each free cell, on plain maps with a lidar range of 10, and over levels.
+PLAIN_STEPS, LEVEL_STEPS = 0.35, 0.12
 #: Coverage at which a flight ends.
 ENOUGH = 0.999
 
@@ -41,23 +44,27 @@ def chosen(clusters: Clusters, numbers: NDArray[np.int64]) -> Clusters:
 def examples_of(plan: Floorplan, seed: int, lidar_range: float | None = None) -> dict[str, NDArray[Any]]:
     """Return the K examples of one flight over a map as arrays by name; none if the flight was too short.
 
-    ``fine`` and ``coarse`` (K, layers, SIDE, SIDE) uint8 and ``numbers`` (K, 2) are the network's inputs, ``sizes``
+    ``fine`` and ``coarse`` (K, layers, SIDE, SIDE) uint8 and ``numbers`` (K, N) are the network's inputs, ``sizes``
     (K,) the free cells behind each cluster, ``depths`` (K,) the steps to the farthest of them, ``real`` (K,) bool
-    whether the map is from a file. The lidar range, in cells, is drawn at random if none is given.
+    whether the map is from a file. The lidar, and over levels the start, are drawn at random; ``lidar_range`` in cells
+    takes the place of the range that is drawn on plain maps.
     """
-    rng = np.random.default_rng(seed)
-    lidar_range = float(rng.choice(RANGES, p=SHARES)) if lidar_range is None else lidar_range
-    base = on_files(("map",), None)
-    world = World(base.with_settings({"lidar.range": lidar_range, "goal": 1.0}))
+    rng, free = np.random.default_rng(seed), np.count_nonzero(plan.truth == FREE)
+    asked: dict[str, Any]
+    if plan.level_count > 1:
+        asked, steps = {"spawn": "random", "budget": None, **lidar_over_levels(plan, rng)}, LEVEL_STEPS * free
+    else:
+        reach = float(rng.choice(RANGES, p=SHARES)) if lidar_range is None else lidar_range
+        asked, steps = {"lidar.range": reach}, PLAIN_STEPS * free * 10.0 / reach
+    world = World(on_files(("map",), None).with_settings({**asked, "goal": 1.0}))
     world.begin(0, seed, floorplan=plan)
     policy = make_policy(str(rng.choice(POLICIES)))
-    free = np.count_nonzero(plan.truth == FREE)
-    every = max(2, round(0.35 * free * 10.0 / lidar_range / SNAPSHOTS))
+    every = max(2, round(steps / SNAPSHOTS))
     found: list[dict[str, NDArray[Any]]] = []
     due = int(rng.integers(1, every + 1))
     for step, _ in enumerate(rollout(world, ask_pilots(policy, make_pilots(policy, world), world)), start=1):
         if step == due:
-            found.append(_snapshot(world, plan, lidar_range, rng))
+            found.append(_snapshot(world, plan, rng))
             due += int(rng.integers(every // 2 + 1, every + every // 2 + 1))
         if world.team_coverage[0] >= ENOUGH:
             break
@@ -67,16 +74,16 @@ def examples_of(plan: Floorplan, seed: int, lidar_range: float | None = None) ->
     return examples | {"real": np.full(len(examples["sizes"]), plan.name != GENERATED)}
 
 
-def _snapshot(world: World, plan: Floorplan, lidar_range: float, rng: np.random.Generator) -> dict[str, NDArray[Any]]:
-    """Return the examples of the present moment: up to ``CLUSTERS`` random clusters in reach."""
-    view = world.view(0, 0)
+def _snapshot(world: World, plan: Floorplan, rng: np.random.Generator) -> dict[str, NDArray[Any]]:
+    """Return the examples of the present moment: some random clusters in reach."""
+    view, lidar, rise = world.view(0, 0), world.scenario.lidar, plan.levels.rise
     belief = np.array(view.belief)
-    clusters = frontier_clusters(belief, lidar_range)
-    field = distance_field(belief, view.cell)
-    pockets = true_pockets(belief, plan.truth, field, clusters)
+    clusters = frontier_clusters(belief, lidar.range, rise)
+    field = distance_field(belief, view.cell, rise)
+    pockets = true_pockets(belief, plan.truth, field, clusters, rise)
     reached = np.flatnonzero(nearest_cells(field, clusters)[1] < UNREACHABLE)
-    some = np.sort(rng.permutation(reached)[:CLUSTERS])
-    seen = pictures(belief, chosen(clusters, some), lidar_range)
+    some = np.sort(rng.permutation(reached)[: LEVEL_CLUSTERS if rise else CLUSTERS])
+    seen = pictures(belief, chosen(clusters, some), lidar.range, rise, lidar.elevation)
     return {
         "fine": seen.fine,
         "coarse": seen.coarse,

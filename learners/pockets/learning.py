@@ -16,7 +16,7 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from indoor_explorers.learners.sessions.networks import learner_tensors, restore_learner
-from indoor_explorers.planners.toolbox.pockets.features import COARSE_LAYERS, FINE_LAYERS, SIDE
+from indoor_explorers.planners.toolbox.pockets.features import COARSE_LAYERS, FINE_LAYERS, PLAIN, SIDE, Kind
 from indoor_explorers.planners.toolbox.pockets.network import (
     CHANNELS,
     COARSE_SCALES,
@@ -31,23 +31,24 @@ from indoor_explorers.planners.toolbox.pockets.network import (
 
 
 class PocketNet(nn.Module):
-    """Two stacks of convolutions, one for each picture, and a hidden layer that joins them with the two numbers."""
+    """Two stacks of convolutions, one for each picture, and a hidden layer that joins them with the numbers."""
 
-    def __init__(self) -> None:
+    def __init__(self, kind: Kind = PLAIN) -> None:
         super().__init__()
-        for name, layers in (("fine", FINE_LAYERS), ("coarse", COARSE_LAYERS)):
+        for name, layers in (("fine", kind.levels * FINE_LAYERS), ("coarse", kind.levels * COARSE_LAYERS)):
             for k, (channels, size, stride) in enumerate(zip(CHANNELS, KERNELS, STRIDES, strict=True), start=1):
                 setattr(self, f"{name}{k}", nn.Conv2d(layers, channels, size, stride))
                 layers = channels
-        self.hidden = nn.Linear(2 * CHANNELS[-1] * side_after(SIDE) ** 2 + 2, HIDDEN)
+        self.hidden = nn.Linear(2 * CHANNELS[-1] * side_after(SIDE) ** 2 + kind.numbers, HIDDEN)
         self.out = nn.Linear(HIDDEN, OUTPUTS)
-        self.scales = {"fine": FINE_SCALES, "coarse": COARSE_SCALES}
+        scales = {"fine": FINE_SCALES, "coarse": COARSE_SCALES}
+        self.scales = {name: torch.from_numpy(np.tile(each, kind.levels)) for name, each in scales.items()}
 
     def forward(self, fine: Tensor, coarse: Tensor, numbers: Tensor) -> Tensor:
-        """Return the outputs (K, OUTPUTS) for uint8 pictures (K, layers, SIDE, SIDE) and numbers (K, 2)."""
+        """Return the outputs (K, OUTPUTS) for uint8 pictures (K, layers, SIDE, SIDE) and numbers (K, N)."""
         flat = []
         for name, picture in (("fine", fine), ("coarse", coarse)):
-            x = picture * torch.from_numpy(self.scales[name])[:, None, None]
+            x = picture * self.scales[name][:, None, None]
             for k in range(1, len(CHANNELS) + 1):
                 x = torch.relu(getattr(self, f"{name}{k}")(x))
             flat.append(x.permute(0, 2, 3, 1).flatten(1))  # row, column, channel: the order of the compiled network
@@ -76,7 +77,7 @@ def loss(outputs: Tensor, sizes: Tensor, depths: Tensor) -> Tensor:
 def batches(examples: Mapping[str, NDArray[Any]], rng: np.random.Generator) -> Iterator[list[Tensor]]:
     """Yield the examples once, in random order, each batch turned and mirrored at random; a partial batch is left out.
 
-    A batch is ``fine`` and ``coarse`` (BATCH, layers, SIDE, SIDE) uint8, ``numbers`` (BATCH, 2), ``sizes`` and
+    A batch is ``fine`` and ``coarse`` (BATCH, layers, SIDE, SIDE) uint8, ``numbers`` (BATCH, N), ``sizes`` and
     ``depths`` (BATCH,).
     """
     order = rng.permutation(len(examples["sizes"]))
@@ -93,10 +94,10 @@ def batches(examples: Mapping[str, NDArray[Any]], rng: np.random.Generator) -> I
 class PocketLearner:
     """The network and its optimiser, whose learning rate falls along a cosine to 0 at the end of the last epoch."""
 
-    def __init__(self, examples: Mapping[str, NDArray[Any]], *, epochs: int, seed: int) -> None:
+    def __init__(self, examples: Mapping[str, NDArray[Any]], *, epochs: int, seed: int, kind: Kind = PLAIN) -> None:
         torch.manual_seed(seed)
         self._examples, self._rng = examples, np.random.default_rng(seed)
-        self.network = PocketNet()
+        self.network = PocketNet(kind)
         self._optimiser = torch.optim.AdamW(self.network.parameters(), lr=RATE, weight_decay=DECAY)
         self.count = len(examples["sizes"])
         """Number of examples."""

@@ -3,8 +3,8 @@
 A training is a session around :class:`indoor_explorers.learners.pockets.train.PocketTraining`. It flies planners
 over maps that it draws, so it takes no scenario. The folder gets ``pockets.safetensors`` (the latest network),
 ``training.json`` (configuration, seed, versions, commits, loss of each epoch), ``checkpoint.safetensors`` (everything
-that a resumed training needs, beside the flights in ``flights/``), ``tensorboard/`` and, with suites,
-``validation.md`` (how good the estimates are on their validation parts). The same seed gives the same weights, resumed
+that a resumed training needs, beside the flights in ``flights/``), ``tensorboard/`` and, with suites or levels,
+``validation.md`` (how good the estimates are on validation parts). The same seed gives the same weights, resumed
 or not.
 """
 
@@ -14,18 +14,19 @@ import math
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from indoor_explorers.env.files import write_whole
 from indoor_explorers.env.scenarios.suites.suite import Part
 from indoor_explorers.learners.pockets.examples import chosen_examples, read_examples, write_examples
 from indoor_explorers.learners.pockets.learning import PocketLearner
-from indoor_explorers.learners.pockets.maps import FLIGHTS, MapSettings, map_files, map_record
-from indoor_explorers.learners.pockets.validation import as_table, judge
+from indoor_explorers.learners.pockets.maps import FLIGHTS, MapSettings, TrainingMaps, map_files, map_record
+from indoor_explorers.learners.pockets.validation import as_table, judge, over_files, over_levels
 from indoor_explorers.learners.sessions.checkpoint import read_checkpoint, reporting_damage, write_checkpoint
 from indoor_explorers.learners.sessions.networks import network_arrays
 from indoor_explorers.learners.sessions.session import Session, Trainee, TrainingStatus
@@ -33,6 +34,7 @@ from indoor_explorers.learners.sessions.tensorboard import Scalars
 from indoor_explorers.learners.sessions.train import TrainingMethod
 from indoor_explorers.planners.toolbox.networks.weights_file import write_weights_file
 from indoor_explorers.planners.toolbox.pockets.estimates import NAME
+from indoor_explorers.planners.toolbox.pockets.features import LEVELS, PLAIN, Kind
 
 __all__ = ["DEFAULT_SCENARIO", "TrainingConfig", "train"]
 
@@ -44,12 +46,31 @@ class TrainingConfig(MapSettings):
     """Flights to learn from."""
     learn_from: Literal["both", "real", "generated"] = "both"
     """Learn from the flights over map files, from those over generated maps, or from both."""
+    levels: bool = False
+    """Learn from flights in generated buildings of several levels alone, for estimates there."""
     epochs: int = Field(8, ge=1)
     """Passes over the examples of these flights."""
     evaluation_every: int = Field(1, ge=1)
     """Epochs between two entries of the record."""
     checkpoint_every: int = Field(1, ge=1)
     """Epochs between two checkpoints."""
+
+    @model_validator(mode="after")
+    def _have_maps(self) -> Self:
+        if self.levels and (self.suites or self.learn_from == "real" or self.halls):
+            raise ValueError(
+                "expected no suites, no halls and no real maps with levels=true, which has buildings of its own"
+            )
+        return self
+
+    @property
+    def kind(self) -> Kind:
+        """The kind of maps that the network sees."""
+        return LEVELS if self.levels else PLAIN
+
+    def maps(self) -> TrainingMaps:
+        """Return the training maps, or buildings of several levels."""
+        return replace(super().maps(), levels=1.0) if self.levels else super().maps()
 
 
 class PocketTraining(Trainee):
@@ -107,9 +128,8 @@ class PocketTraining(Trainee):
 
     def _begin_learning(self) -> PocketLearner:
         examples = read_examples([self._path(flight) for flight in range(self.config.flights)])
-        return PocketLearner(
-            chosen_examples(examples, self.config.learn_from), epochs=self.config.epochs, seed=self.seed
-        )
+        some = chosen_examples(examples, self.config.learn_from)
+        return PocketLearner(some, epochs=self.config.epochs, seed=self.seed, kind=self.config.kind)
 
     def status(self) -> TrainingStatus:
         """Return the current status; the loss is the mean of the last epoch."""
@@ -131,7 +151,9 @@ class PocketTraining(Trainee):
             write_checkpoint(folder, {}, {})
         else:
             write_checkpoint(folder, self.learner.tensors(), self.learner.state())
-            write_weights_file(folder / NAME, network_arrays(self.learner.network), {})
+            write_weights_file(
+                folder / NAME, network_arrays(self.learner.network), {"levels": True} if self.config.levels else {}
+            )
 
     def _restore(self, path: Path) -> None:
         tensors, state = read_checkpoint(path)
@@ -151,9 +173,10 @@ DEFAULT_SCENARIO = None
 def _trainee(config: TrainingConfig, scenario: None, seed: int, session: Session) -> Iterator[PocketTraining]:
     with Scalars(session):
         yield PocketTraining(config, seed, session.out, session.checkpoint)
-    if config.suites:
+    if config.levels or config.suites:
         maps = [map_files(name, Part.VALIDATION, config.folders) for name in config.suites]
-        write_whole(session.out / "validation.md", as_table(judge(maps, session.out / NAME)))
+        flights = over_levels() if config.levels else over_files(maps)
+        write_whole(session.out / "validation.md", as_table(judge(flights, session.out / NAME, config.kind)))
 
 
 train = TrainingMethod(partial(map_record, "pockets"), _trainee, weights=NAME)

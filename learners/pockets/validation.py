@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -11,9 +11,11 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.maps.kinds import kind_of
 from indoor_explorers.env.maps.sources import FileMaps
-from indoor_explorers.env.scenarios.suites.catalogue import buildings, source_of
+from indoor_explorers.env.scenarios.suites.catalogue import buildings, source_of, suite_of
+from indoor_explorers.env.scenarios.suites.suite import Part
 from indoor_explorers.learners.pockets.examples import examples_of
 from indoor_explorers.planners.toolbox.pockets.estimates import PocketEstimates, estimates_from, load_weights
+from indoor_explorers.planners.toolbox.pockets.features import PLAIN, Kind
 from indoor_explorers.planners.toolbox.pockets.network import THRESHOLDS, outputs
 
 #: Numbers of cells whose exceedance is judged.
@@ -67,26 +69,46 @@ def judged(group: str, examples: Mapping[str, NDArray[Any]], estimates: PocketEs
     )
 
 
-def judge(suites: Sequence[FileMaps], weights: Path) -> list[Judged]:
-    """Judge the estimates of a weights file, from one flight over each map of some suites.
+#: The examples of a flight, and the groups of maps that they belong to.
+Flown = tuple[tuple[str, ...], Mapping[str, NDArray[Any]]]
 
-    The rows are those of each building, of each source (the repository) and of each kind of floor plan, and of all.
+
+def over_files(suites: Sequence[FileMaps]) -> Iterator[Flown]:
+    """Fly once over each map of some suites; yield its examples as those of its building, source, kind and of all.
+
+    The source is the repository, the kind that of the floor plan.
     """
-    network = load_weights(weights)
-    by: tuple[dict[str, list[dict[str, NDArray[Any]]]], ...] = ({}, {}, {}, {})
     for maps in suites:
         for index in range(maps.count):
             plan = maps.floorplan(index, 0)
-            examples = examples_of(plan, index, LIDAR_RANGE)
             building = buildings().get(plan.digest, plan.name)
-            names = (building, f"source {source_of(maps, index, plan)}", f"kind {kind_of(plan)}", "all")
-            for groups, name in zip(by, names, strict=True):
-                groups.setdefault(name, []).append(examples)
+            groups = (building, f"source {source_of(maps, index, plan)}", f"kind {kind_of(plan)}", "all")
+            yield groups, examples_of(plan, index, LIDAR_RANGE)
+
+
+def over_levels() -> Iterator[Flown]:
+    """Fly once in each building of the validation part of the suite ``levels``; yield the examples, by scenario."""
+    suite = suite_of("levels")
+    for scenario in suite.scenarios(teams=(1,)):
+        for seed in suite.seeds(Part.VALIDATION):
+            yield (scenario.name, "all"), examples_of(scenario.map.floorplan(0, seed), seed)
+
+
+def judge(flights: Iterable[Flown], weights: Path, kind: Kind = PLAIN) -> list[Judged]:
+    """Judge the estimates of a weights file for a ``kind`` of maps by the examples of some flights.
+
+    There is a row for each group of each flight's first name, then of the second one, and so on.
+    """
+    network = load_weights(weights, kind)
+    by: dict[tuple[int, str], list[Mapping[str, NDArray[Any]]]] = {}
+    for groups, examples in flights:
+        for entry in enumerate(groups):
+            by.setdefault(entry, []).append(examples)
     found = []
-    for group, parts in (entry for groups in by for entry in groups.items()):
-        examples = {name: np.concatenate([each[name] for each in parts]) for name in parts[0]}
-        estimates = estimates_from(outputs(examples["fine"], examples["coarse"], examples["numbers"], network))
-        found.append(judged(group, examples, estimates))
+    for (_, group), parts in sorted(by.items(), key=lambda item: item[0][0]):
+        joined = {name: np.concatenate([each[name] for each in parts]) for name in parts[0]}
+        estimates = estimates_from(outputs(joined["fine"], joined["coarse"], joined["numbers"], network))
+        found.append(judged(group, joined, estimates))
     return found
 
 

@@ -108,7 +108,7 @@ class DddqnReports(EstimateUser, ExploringWith):
         """Make the pilot of one UAV for one episode."""
         explorer = self.make_explorer()
         weights, pilot = load_weights(self.path), explorer.pilot(briefing)
-        return ReportsPilot(briefing, explorer, pilot, weights, pockets=self.pocket_path)
+        return ReportsPilot(briefing, explorer, pilot, weights, pockets=self.estimate_files.plain)
 
     def provenance(self) -> dict[str, str]:
         """Return the hashes of the network's weights and of those of the estimates, and what the explorer declares."""

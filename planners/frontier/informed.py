@@ -68,13 +68,14 @@ class InformedPilot(PredictivePilot):
     def estimates(self, view: View, clusters: Clusters) -> PocketEstimates:
         """Return the reported sizes of K clusters as certain estimates."""
         field = self.steps_from(view, view.cell)
-        sizes = self.reported(true_pockets(view.belief, self._truth, field, clusters).sizes, clusters)
+        pockets = true_pockets(view.belief, self._truth, field, clusters, self.paths.rise)
+        sizes = self.reported(pockets.sizes, clusters)
         tails = (sizes[:, None] > np.array(THRESHOLDS)).astype(np.float64)
         return PocketEstimates(tails, sizes, np.zeros(clusters.size))
 
     def reported(self, sizes: NDArray[np.float64], clusters: Clusters) -> NDArray[np.float64]:
         """Return the reported sizes (K,) for the true ones."""
-        rows, cols = np.divmod(middles(clusters, self.paths.width), self.paths.width)
+        rows, cols = np.divmod(middles(clusters, self.paths.width, self.paths.rise), self.paths.width)
         place = rows // SQUARE, cols // SQUARE
         swapped = np.where(sizes > 0.0, 0.0, SUPPOSED)
         return np.asarray(np.where(self._mistaken[place], swapped, sizes * self._factors[place]))

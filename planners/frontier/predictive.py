@@ -13,13 +13,18 @@ from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.frontier.latency import FrontierLatency, LatencyPilot
 from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters
-from indoor_explorers.planners.toolbox.pockets.estimates import PocketEstimates, PocketEstimator
-from indoor_explorers.planners.toolbox.pockets.outlook import ClusterJudge, EstimateUser, Outlook, OutlookParameters
+from indoor_explorers.planners.toolbox.pockets.estimates import PocketEstimates
+from indoor_explorers.planners.toolbox.pockets.outlook import (
+    ClusterJudge,
+    LevelEstimateUser,
+    Outlook,
+    OutlookParameters,
+)
 
 
 @renamed()
 @dataclass(frozen=True, kw_only=True)
-class FrontierPredictive(EstimateUser, OutlookParameters, FrontierLatency):
+class FrontierPredictive(LevelEstimateUser, OutlookParameters, FrontierLatency):
     """Fly as ``frontier-latency`` does, but weigh clusters by the probability of unknown free cells, and defer some.
 
     A network estimates from the map around each cluster how much unknown free space is behind it
@@ -44,7 +49,7 @@ class PredictivePilot(LatencyPilot):
 
     def __init__(self, briefing: Briefing, policy: FrontierPredictive) -> None:
         super().__init__(briefing, policy)
-        self._estimator = PocketEstimator(briefing.lidar_range, path=policy.pocket_path)
+        self._estimator = policy.estimate_files.estimator(briefing)
         self._judge = ClusterJudge(briefing, policy)
         self._aim = policy.aim
         self._expected = 0.0
@@ -52,14 +57,15 @@ class PredictivePilot(LatencyPilot):
 
     def estimates(self, view: View, clusters: Clusters) -> PocketEstimates:
         """Return the network's estimates for K clusters."""
+        assert self._estimator is not None
         return self._estimator.estimate(view.belief, clusters)
 
     def outlook(self, view: View, clusters: Clusters, away: Distances) -> Outlook:
         """Return the outlook of K clusters, ``away`` (K,) steps from the UAV.
 
-        On maps of several levels, which the network does not know, it is the same for all.
+        On maps of several levels it is the same for all unless there are ``level_weights``.
         """
-        if self.paths.rise > 0:
+        if self._estimator is None:
             return super().outlook(view, clusters, away)
         known = int(np.count_nonzero(view.belief == FREE))
         estimates = self.estimates(view, clusters)

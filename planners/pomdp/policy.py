@@ -104,7 +104,7 @@ class PomdpPilot(IndependentPilot):
         self._policy = policy
         self._horizon = max(2, round(policy.horizon * self._lidar))
         self._gains = WeightedGains(briefing.shape, self._lidar, DECAY_LENGTH, policy.isolation)
-        self._estimator = PocketEstimator(self._lidar, path=policy.pocket_path)
+        self._estimator = PocketEstimator(self._lidar, path=policy.estimate_files.plain)
         self.replan_period = self.steps_in(policy.period)
 
     def chosen(self, view: View) -> Cell | None:

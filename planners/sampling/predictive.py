@@ -44,7 +44,7 @@ class RrtPredictivePilot(RrtFrontierPilot):
 
     def __init__(self, briefing: Briefing, policy: RrtPredictive) -> None:
         super().__init__(briefing, policy)
-        self._candidate_outlook = CandidateOutlook(briefing, policy.pocket_path)
+        self._candidate_outlook = CandidateOutlook(briefing, policy.estimate_files.plain)
 
     def judged(self, view: View, cells: NDArray[np.int32]) -> Viewpoints:
         """Return the viewpoints among (K,) flat cells: reachable, not banned or deferred, and with a gain."""

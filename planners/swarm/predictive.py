@@ -39,7 +39,7 @@ class PsoPredictivePilot(PsoPilot):
 
     def __init__(self, briefing: Briefing, policy: PsoPredictive) -> None:
         super().__init__(briefing, policy)
-        self._candidate_outlook = CandidateOutlook(briefing, policy.pocket_path)
+        self._candidate_outlook = CandidateOutlook(briefing, policy.estimate_files.plain)
 
     def chances(self, view: View, cells: Cells, field: Distances) -> NDArray[np.float64]:
         """Return the probability that each of (K,) flat cells leads to unknown free cells, 0 where it can wait."""

@@ -12,11 +12,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.grid.compiled import kernel
+from indoor_explorers.env.policies.view import Briefing
 from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters
 from indoor_explorers.planners.toolbox.networks.weights_file import read_once, read_weights_file, weights_path
-from indoor_explorers.planners.toolbox.pockets.features import COARSE_LAYERS, SIDE, pictures
+from indoor_explorers.planners.toolbox.pockets.features import COARSE_LAYERS, LEVELS, PLAIN, SIDE, Kind, pictures
 from indoor_explorers.planners.toolbox.pockets.network import (
     OUTPUTS,
     THRESHOLDS,
@@ -26,8 +28,11 @@ from indoor_explorers.planners.toolbox.pockets.network import (
     weights_from,
 )
 
-#: The weights that ship.
+#: The weights that ship: for plain maps, and for maps of several levels.
 SHIPPED = Path(__file__).parent / "weights" / "pockets.safetensors"
+SHIPPED_LEVELS = SHIPPED.with_name("pockets-levels.safetensors")
+#: The word for the latter among the parameters of a policy.
+AS_SHIPPED = "shipped"
 #: The file of the weights in the folder of a training.
 NAME = "pockets.safetensors"
 #: Cells of the coarse picture that may have changed for an estimate to be kept.
@@ -66,20 +71,68 @@ def estimates_from(found: NDArray[np.float32]) -> PocketEstimates:
     return PocketEstimates(tails, tails @ _MEAN, depths)
 
 
-def pocket_path(given: str | None) -> Path:
-    """Return the path of weights: ``given``, or the file in it if it is a training's folder; None: the shipped ones."""
-    return weights_path(given, SHIPPED, NAME)
-
-
 @read_once
-def load_weights(path: Path) -> NetworkWeights:
-    """Return the network's weights from a file; a process reads it once, and again when it changes.
+def _read(path: Path) -> tuple[Kind, NetworkWeights]:
+    """Return the kind of maps of a file's network, which its metadata tell, and its weights."""
+    file = read_weights_file(path, "the pocket network")
+    kind = LEVELS if file.about.get("levels") else PLAIN
+    return kind, weights_from(file.checked(shapes(kind)))
+
+
+def load_weights(path: Path, kind: Kind = PLAIN) -> NetworkWeights:
+    """Return the weights of a network for maps of a ``kind``; a process reads a file once, and again when it changes.
 
     Raises:
-        InputError: the file is missing or holds another network.
+        InputError: the file is missing, or holds another network or one for maps of the other kind.
 
     """
-    return weights_from(read_weights_file(path, "the pocket network").checked(shapes()))
+    found, weights = _read(path)
+    if found != kind:
+        told = {PLAIN: "plain maps", LEVELS: "maps of several levels"}
+        raise InputError(
+            f"{path}: expected estimates for {told[kind]}, got those for {told[found]}; pocket_weights are for plain "
+            "maps, level_weights, from a training with levels=true, for the others"
+        )
+    return weights
+
+
+class EstimateFiles(NamedTuple):
+    """The files of the weights of a policy's estimates."""
+
+    plain: Path = SHIPPED
+    """For plain maps."""
+    levels: Path | None = None
+    """For maps of several levels; None where there are to be no estimates there."""
+
+    @classmethod
+    def named(cls, pocket_weights: str | None = None, level_weights: str | None = None) -> EstimateFiles:
+        """Return the files that the parameters of a policy, or the settings of a training, name.
+
+        Raises:
+            InputError: one of them is missing, or not a file of the network for such maps.
+
+        """
+        levels = None if level_weights is None else SHIPPED_LEVELS
+        if level_weights not in (None, AS_SHIPPED):
+            levels = weights_path(level_weights, SHIPPED_LEVELS, NAME)
+        found = cls(weights_path(pocket_weights, SHIPPED, NAME), levels)
+        load_weights(found.plain)
+        if found.levels is not None:
+            load_weights(found.levels, LEVELS)
+        return found
+
+    def estimator(self, briefing: Briefing) -> PocketEstimator | None:
+        """Return the estimator for one UAV's map; None where there are to be no estimates."""
+        if briefing.rise == 0:
+            return PocketEstimator(briefing.lidar_range, path=self.plain)
+        if self.levels is None:
+            return None
+        elevation = briefing.scenario.lidar.elevation
+        return PocketEstimator(briefing.lidar_range, path=self.levels, rise=briefing.rise, elevation=elevation)
+
+
+#: Those of the parameters' defaults.
+DEFAULT_FILES = EstimateFiles()
 
 
 class PocketEstimator:
@@ -90,19 +143,31 @@ class PocketEstimator:
         changed: Cells of the coarse picture that may have changed for an estimate to be kept; the fine one must be the
             same. With 0, UAVs with the same map have the same estimates, whatever they have seen before.
         path: File of the network's weights.
+        rise: That of the map where it has levels, see :mod:`indoor_explorers.env.grid.levels`; 0 for a plain map.
+        elevation: Degrees that the lidar looks up and down, where there are levels.
 
     """
 
-    def __init__(self, lidar_range: float, *, changed: int = CHANGED, path: Path = SHIPPED) -> None:
+    def __init__(
+        self,
+        lidar_range: float,
+        *,
+        changed: int = CHANGED,
+        path: Path = SHIPPED,
+        rise: int = 0,
+        elevation: float = 90.0,
+    ) -> None:
         self._range, self._changed = float(lidar_range), changed
-        self._weights = load_weights(path)
+        self._rise, self._elevation = rise, elevation
+        kind = LEVELS if rise > 0 else PLAIN
+        self._weights = load_weights(path, kind)
         self._kept: dict[bytes, int] = {}
-        self._coarse = np.empty((0, COARSE_LAYERS, SIDE, SIDE), np.uint8)
+        self._coarse = np.empty((0, kind.levels * COARSE_LAYERS, SIDE, SIDE), np.uint8)
         self._found = np.empty((0, OUTPUTS), np.float32)
 
     def estimate(self, belief: Belief, clusters: Clusters) -> PocketEstimates:
         """Return the estimates for K clusters of a (H, W) belief."""
-        seen = pictures(belief, clusters, self._range)
+        seen = pictures(belief, clusters, self._range, self._rise, self._elevation)
         names = [picture.tobytes() for picture in seen.fine]
         before = np.array([self._kept.get(name, -1) for name in names], np.int64)
         is_kept = _are_alike(seen.coarse, self._coarse, before, self._changed)

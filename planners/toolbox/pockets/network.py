@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.planners.toolbox.networks.layers import as_layer, convolved, linear, relu
-from indoor_explorers.planners.toolbox.pockets.features import COARSE_LAYERS, FINE_LAYERS, SIDE
+from indoor_explorers.planners.toolbox.pockets.features import COARSE_LAYERS, FINE_LAYERS, PLAIN, SIDE, Kind
 
 Array = NDArray[np.float32]
 
@@ -58,21 +58,21 @@ def side_after(side: int) -> int:
     return side
 
 
-def shapes() -> dict[str, tuple[int, ...]]:
+def shapes(kind: Kind = PLAIN) -> dict[str, tuple[int, ...]]:
     """Return names and shapes of the network's arrays as torch stores them: (outputs, inputs, ...)."""
     found: dict[str, tuple[int, ...]] = {}
-    for name, layers in (("fine", FINE_LAYERS), ("coarse", COARSE_LAYERS)):
+    for name, layers in (("fine", kind.levels * FINE_LAYERS), ("coarse", kind.levels * COARSE_LAYERS)):
         for k, (channels, size) in enumerate(zip(CHANNELS, KERNELS, strict=True), start=1):
             found |= {f"{name}{k}.weight": (channels, layers, size, size), f"{name}{k}.bias": (channels,)}
             layers = channels
-    inputs = 2 * CHANNELS[-1] * side_after(SIDE) ** 2 + 2
+    inputs = 2 * CHANNELS[-1] * side_after(SIDE) ** 2 + kind.numbers
     found |= {"hidden.weight": (HIDDEN, inputs), "hidden.bias": (HIDDEN,)}
     return found | {"out.weight": (OUTPUTS, HIDDEN), "out.bias": (OUTPUTS,)}
 
 
 def weights_from(arrays: Mapping[str, NDArray[Any]]) -> NetworkWeights:
     """Arrange the arrays of :func:`shapes` for the compiled network."""
-    layers = {name: as_layer(arrays[name]) for name in shapes()}
+    layers = {name: as_layer(array) for name, array in arrays.items()}
     convolutions = (
         Convolution(layers[f"{name}{k}.weight"], layers[f"{name}{k}.bias"], stride)
         for name in ("fine", "coarse")
@@ -84,12 +84,13 @@ def weights_from(arrays: Mapping[str, NDArray[Any]]) -> NetworkWeights:
 
 @kernel(entry=False)
 def _features(picture: np.ndarray, scales: np.ndarray, first: tuple, second: tuple, third: tuple) -> np.ndarray:  # type: ignore[type-arg]
-    """Return the third convolution of a picture (layers, side, side) uint8."""
+    """Return the third convolution of a picture (layers, side, side) uint8; ``scales`` are of one level's layers."""
     x = np.empty((picture.shape[1], picture.shape[2], picture.shape[0]), np.float32)
     for layer in range(picture.shape[0]):
+        scale = scales[layer % scales.shape[0]]
         for row in range(picture.shape[1]):
             for col in range(picture.shape[2]):
-                x[row, col, layer] = picture[layer, row, col] * scales[layer]
+                x[row, col, layer] = picture[layer, row, col] * scale
     x = convolved(x, first[0], first[1], first[2])
     x = convolved(x, second[0], second[1], second[2])
     return convolved(x, third[0], third[1], third[2])
@@ -116,7 +117,7 @@ def _outputs(
     return out
 
 
-#: Factors that bring the layers of the pictures to 0 to 1.
+#: Factors that bring the layers of a level of the pictures to 0 to 1.
 FINE_SCALES = np.array([1.0, 1.0, 1.0, 1.0, 1.0 / 255.0], np.float32)
 COARSE_SCALES = np.full(COARSE_LAYERS, 1.0 / 9.0, np.float32)
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import hashlib
 from dataclasses import dataclass
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -17,9 +16,9 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Distances, Mask
 from indoor_explorers.env.policies.view import Briefing
-from indoor_explorers.env.provenance import record_of, recorded_maps
+from indoor_explorers.env.provenance import joined, record_of, recorded_maps
 from indoor_explorers.planners.toolbox.parameters import Parameters, bounded
-from indoor_explorers.planners.toolbox.pockets.estimates import PocketEstimates, load_weights, pocket_path
+from indoor_explorers.planners.toolbox.pockets.estimates import EstimateFiles, PocketEstimates
 from indoor_explorers.planners.toolbox.pockets.network import THRESHOLDS
 
 
@@ -28,7 +27,7 @@ class EstimateUser(Parameters):
     """The weights of the estimates and their provenance, for the policies that use them.
 
     Raises:
-        InputError: ``pocket_weights`` is missing or not a file of this network.
+        InputError: a file of weights is missing or not one of this network.
 
     """
 
@@ -37,20 +36,34 @@ class EstimateUser(Parameters):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        load_weights(self.pocket_path)
+        _ = self.estimate_files
 
     @property
-    def pocket_path(self) -> Path:
-        """The path of the weights of the estimates."""
-        return pocket_path(self.pocket_weights)
+    def estimate_files(self) -> EstimateFiles:
+        """The files of the weights of the estimates."""
+        return EstimateFiles.named(self.pocket_weights)
 
     def provenance(self) -> dict[str, str]:
-        """Return a hash of the estimates' weights."""
-        return {"pocket_weights": hashlib.sha256(self.pocket_path.read_bytes()).hexdigest()[:16]}
+        """Return a hash of each file of the estimates' weights."""
+        files = {"pocket_weights": self.estimate_files.plain, "level_weights": self.estimate_files.levels}
+        return {name: hashlib.sha256(path.read_bytes()).hexdigest()[:16] for name, path in files.items() if path}
 
     def seen_maps(self) -> dict[str, list[str]]:
         """Return the maps that the estimates were learned from."""
-        return recorded_maps(record_of(self.pocket_path))
+        return joined([recorded_maps(record_of(path)) for path in self.estimate_files if path])
+
+
+@dataclass(frozen=True, kw_only=True)
+class LevelEstimateUser(EstimateUser):
+    """The same with estimates on maps of several levels, which are off by default."""
+
+    level_weights: str | None = None
+    """The same for maps of several levels, or ``shipped`` for the shipped ones; None: there are no estimates there."""
+
+    @property
+    def estimate_files(self) -> EstimateFiles:
+        """The files of the weights of the estimates."""
+        return EstimateFiles.named(self.pocket_weights, self.level_weights)
 
 
 @dataclass(frozen=True, kw_only=True)

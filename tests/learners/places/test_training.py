@@ -30,8 +30,8 @@ from indoor_explorers.learners.places.truth import TrueMap, truth_of
 from indoor_explorers.learners.pockets.maps import TrainingMaps
 from indoor_explorers.learners.sessions.session import Progress
 from indoor_explorers.planners.toolbox.networks.tensors import read_tensors, write_tensors
+from indoor_explorers.planners.toolbox.pockets.estimates import DEFAULT_FILES, EstimateFiles
 from indoor_explorers.planners.toolbox.pockets.estimates import SHIPPED as POCKETS
-from indoor_explorers.planners.toolbox.pockets.estimates import pocket_path
 from tests.learners.places.small import random_choices, world_on_a_floor
 from tests.learners.places.test_scene import pilot_of
 
@@ -192,15 +192,16 @@ def test_flights_see_the_estimates_of_the_weights_that_are_named(tmp_path: Path)
     """With weights of zeros other estimates are seen, and the places of the first scene are the same."""
     for name in ("pockets.safetensors", "pockets.json"):
         (tmp_path / name).write_bytes((POCKETS.parent / name).read_bytes())
-    path = pocket_path(TrainingConfig(pocket_weights=str(tmp_path)).pocket_weights)
-    assert path == tmp_path / POCKETS.name
-    arrays, about = read_tensors(path)
-    write_tensors(path, {name: np.zeros_like(array) for name, array in arrays.items()}, about)
+    files = TrainingConfig(pocket_weights=str(tmp_path)).estimate_files
+    assert files == EstimateFiles(tmp_path / POCKETS.name)
+    arrays, about = read_tensors(files.plain)
+    write_tensors(files.plain, {name: np.zeros_like(array) for name, array in arrays.items()}, about)
     network = Loaded(weights_of(AdvantageNet()), 0.45, guess=True, others=True)
-    shipped, zeros = (fly(TrainingMaps(), SEED, network, each).choices[0]["places"][0] for each in (POCKETS, path))
+    both = (fly(TrainingMaps(), SEED, network, each) for each in (DEFAULT_FILES, files))
+    shipped, zeros = (flight.choices[0]["places"][0] for flight in both)
     assert not np.array_equal(shipped, zeros)
     assert sorted(shipped[:, 0]) == sorted(zeros[:, 0])
-    assert pocket_path(TrainingConfig().pocket_weights) == POCKETS
+    assert TrainingConfig().estimate_files == DEFAULT_FILES == EstimateFiles(POCKETS)
     with pytest.raises(ValueError, match="expected a safetensors file, found none"):
         TrainingConfig(pocket_weights=str(tmp_path / "none"))
 

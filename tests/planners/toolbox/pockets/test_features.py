@@ -4,8 +4,19 @@ import networkx as nx
 import numpy as np
 import pytest
 
+from indoor_explorers.env.grid.levels import Levels, plane_of
 from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters
-from indoor_explorers.planners.toolbox.pockets.features import BLOCK, FADE, NEAR, SIDE, pictures
+from indoor_explorers.planners.toolbox.pockets.features import (
+    BESIDE,
+    BLOCK,
+    COARSE_LAYERS,
+    FADE,
+    FINE_LAYERS,
+    LEVELS,
+    NEAR,
+    SIDE,
+    pictures,
+)
 
 HALF = SIDE // 2
 
@@ -37,6 +48,47 @@ def test_pictures_are_what_a_slow_drawing_shows(shape: tuple[int, int]) -> None:
             counts = (large == value).reshape(SIDE, BLOCK, SIDE, BLOCK).sum(axis=(1, 3))
             assert (seen.coarse[k, layer] == counts).all()
         assert seen.numbers[k] == pytest.approx([np.log1p(len(cells)) / 3, 0.5])
+
+
+@pytest.mark.parametrize("size", [(4, 9, 11), (7, 20, 16)])
+def test_pictures_over_levels_are_what_a_slow_drawing_shows(size: tuple[int, int, int]) -> None:
+    """Each level is that of the padded volume; nearness is the way of networkx through the unknown voxels."""
+    rng = np.random.default_rng(size[0])
+    volume = rng.choice(np.array([0, 0, 1, 2], np.uint8), size)
+    levels = Levels(*size)
+    clusters = frontier_clusters(plane_of(volume), 4.0, levels.rise)
+    seen = pictures(plane_of(volume), clusters, 4.0, levels.rise, 15.0)
+    count, margin = 2 * BESIDE + 1, (HALF + 1) * BLOCK
+    assert seen.fine.shape == (clusters.size, count * FINE_LAYERS, SIDE, SIDE)
+    around = np.pad(volume, ((BESIDE, BESIDE), (margin, margin), (margin, margin)), constant_values=2)
+    graph = nx.grid_graph((SIDE, SIDE, count))
+    for k in range(clusters.size):
+        flat = clusters.cells[clusters.ends[k] : clusters.ends[k + 1]]
+        cells = levels.voxels(np.stack(np.divmod(flat, levels.width), axis=1))
+        level, row, col = np.round(cells.mean(axis=0)).astype(int)
+        shown = around[level : level + count]
+        layers = seen.fine[k].reshape(count, FINE_LAYERS, SIDE, SIDE)
+        top, left = row + margin - HALF, col + margin - HALF
+        fine = shown[:, top : top + SIDE, left : left + SIDE]
+        for layer, value in ((0, 1), (1, 2), (3, 0)):
+            np.testing.assert_array_equal(layers[:, layer], fine == value)
+        own = {tuple(voxel) for voxel in (cells - (level - BESIDE, row - HALF, col - HALF)).tolist()}
+        assert {tuple(voxel) for voxel in np.argwhere(layers[:, 2]).tolist()} <= own
+        assert layers[:, 2].sum() == sum(0 <= z < count and 0 <= r < SIDE and 0 <= c < SIDE for z, r, c in own)
+        start = {voxel for voxel in own if voxel in graph}
+        inside = graph.subgraph({tuple(voxel) for voxel in np.argwhere(fine == 0).tolist()} | start)
+        expected = np.zeros_like(layers[:, 4])
+        for voxel, steps in nx.multi_source_dijkstra_path_length(inside, start).items():
+            expected[voxel] = int(255 * np.exp(-(steps - 1) / FADE)) if 0 < steps <= NEAR else 0
+        np.testing.assert_array_equal(layers[:, 4], expected)
+        side, half = SIDE * BLOCK, SIDE * BLOCK // 2
+        large = shown[:, row + margin - half :, col + margin - half :][:, :side, :side]
+        blocks = seen.coarse[k].reshape(count, COARSE_LAYERS, SIDE, SIDE)
+        for layer, value in enumerate((1, 2)):
+            counts = (large == value).reshape(count, SIDE, BLOCK, SIDE, BLOCK).sum(axis=(2, 4))
+            np.testing.assert_array_equal(blocks[:, layer], counts)
+        assert seen.numbers[k] == pytest.approx([np.log1p(len(cells)) / 3, 0.4, 15.0 / 90.0])
+    assert seen.numbers.shape == (clusters.size, LEVELS.numbers)
 
 
 def test_nearness_falls_with_the_way_through_the_unknown() -> None:
