@@ -2,6 +2,7 @@
 
 import hashlib
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -25,8 +26,10 @@ from indoor_explorers.learners.thesis.inference import q_values as thesis_values
 from indoor_explorers.learners.thesis.inference import trained
 from indoor_explorers.learners.thesis.observation import LEVELS
 from indoor_explorers.planners.toolbox.pockets.estimates import SHIPPED as POCKETS
+from indoor_explorers.planners.toolbox.pockets.estimates import SHIPPED_LEVELS as LEVEL_POCKETS
 from indoor_explorers.planners.toolbox.pockets.estimates import load_weights as load_pockets
-from indoor_explorers.planners.toolbox.pockets.features import COARSE_LAYERS, FINE_LAYERS, SIDE
+from indoor_explorers.planners.toolbox.pockets.features import COARSE_LAYERS, FINE_LAYERS, PLAIN, SIDE, Kind
+from indoor_explorers.planners.toolbox.pockets.features import LEVELS as OVER_LEVELS
 from indoor_explorers.planners.toolbox.pockets.network import outputs
 from tests.learners.places.small import random_scene
 
@@ -38,6 +41,7 @@ OUTPUTS = {
     "thesis-obstacles-map": "f92959ac57855a97",
     "places": "a6402e53dd6a5afe",
     "pockets": "88392fe87dae3ed7",
+    "pockets-levels": "e0dc7da09498e240",
     "reports": "a2d97d8397f8989c",
     "rewards-1-stuck-2": "5f8c4e4d9b3bce7b",
 }
@@ -51,6 +55,7 @@ FLIGHTS: tuple[tuple[str, dict[str, Any], str, str], ...] = (
     ("dddqn-places", {}, "small-floors", "a5e3d421f9a5aeee"),
     ("dddqn-thesis", {}, "thesis-obstacles", "b3d2c9d7dff038e7"),
     ("frontier-predictive", {}, "small-floors", "79f57cf18dd0458b"),
+    ("frontier-predictive", {"level_weights": "shipped"}, "small-storeys", "5782ac170a78198d"),
 )
 #: Policy, scenario, number of UAVs, and the digest of all actions of a whole flight.
 WHOLE_FLIGHTS = (
@@ -79,11 +84,11 @@ def thesis_outputs() -> NDArray[np.float32]:
     return q
 
 
-def pocket_outputs() -> NDArray[np.float32]:
+def pocket_outputs(path: Path, kind: Kind) -> NDArray[np.float32]:
     rng = np.random.default_rng(1)
-    fine = rng.integers(0, 2, (5, FINE_LAYERS, SIDE, SIDE)).astype(np.uint8)
-    coarse = rng.integers(0, 10, (5, COARSE_LAYERS, SIDE, SIDE)).astype(np.uint8)
-    return outputs(fine, coarse, rng.random((5, 2), np.float32), load_pockets(POCKETS))
+    fine = rng.integers(0, 2, (5, kind.levels * FINE_LAYERS, SIDE, SIDE)).astype(np.uint8)
+    coarse = rng.integers(0, 10, (5, kind.levels * COARSE_LAYERS, SIDE, SIDE)).astype(np.uint8)
+    return outputs(fine, coarse, rng.random((5, kind.numbers), np.float32), load_pockets(path, kind))
 
 
 def report_outputs() -> NDArray[np.float32]:
@@ -96,7 +101,9 @@ def found_outputs(name: str) -> NDArray[np.float32]:
         case "places":
             return values(random_scene(5), load_places(PLACES))
         case "pockets":
-            return pocket_outputs()
+            return pocket_outputs(POCKETS, PLAIN)
+        case "pockets-levels":
+            return pocket_outputs(LEVEL_POCKETS, OVER_LEVELS)
         case "reports":
             return report_outputs()
         case "rewards-1-stuck-2":

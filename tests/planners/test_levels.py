@@ -35,6 +35,22 @@ def test_planners_that_change_levels_explore_all_of_them(name):
     assert len(levels_of(world)) > 3
 
 
+def test_estimates_over_levels_are_used_where_they_are_asked_for():
+    """By default there are none; where there are, the control's true sizes come from all levels."""
+    names = ("frontier-predictive", "dddqn-places")
+    flights = {
+        name: [flown(name, 3, **each).state.step[0] for each in ({}, {"level_weights": "shipped"})] for name in names
+    }
+    assert all(plain != level for plain, level in flights.values())
+    informed = "indoor_explorers.planners.frontier.informed:FrontierInformed"
+    told = flown(informed, 3, level_weights="shipped")
+    assert told.team_coverage[0] == 1.0
+    assert told.state.step[0] != flown(informed, 3).state.step[0]
+    hashes = make_policy("dddqn-places", level_weights="shipped").provenance()
+    assert sorted(hashes) == ["level_weights", "pocket_weights", "weights_sha256"]
+    assert sorted(make_policy("dddqn-places").provenance()) == ["pocket_weights", "weights_sha256"]
+
+
 def test_a_plan_for_one_level_stays_there_until_the_budget_is_flown():
     world = flown("pso-robots", 3)
     again = World(TASK)

@@ -18,13 +18,14 @@ from indoor_explorers.env.maps.generators.homes import HomesMaps
 from indoor_explorers.env.maps.sources import FileMaps, OfficesMaps
 from indoor_explorers.env.scenarios.suites.suite import Part
 from indoor_explorers.env.search.connected_parts import largest_part
-from indoor_explorers.learners.pockets.examples import chosen_examples, examples_of
+from indoor_explorers.learners.pockets.examples import chosen_examples, examples_of, read_examples
 from indoor_explorers.learners.pockets.learning import PocketLearner, loss
 from indoor_explorers.learners.pockets.maps import GENERATED, TrainingMaps, cut, map_files, map_record, ragged, turned
 from indoor_explorers.learners.pockets.train import TrainingConfig, train
 from indoor_explorers.learners.pockets.validation import auc, judged
 from indoor_explorers.learners.sessions.session import Progress
 from indoor_explorers.planners.toolbox.pockets.estimates import estimates_from, load_weights
+from indoor_explorers.planners.toolbox.pockets.features import LEVELS
 from indoor_explorers.planners.toolbox.pockets.network import OUTPUTS, THRESHOLDS
 from tests.planners.flights import rooms
 from tests.suites import tiny, tiny_clones
@@ -188,6 +189,22 @@ def test_an_interrupted_training_equals_a_whole_one_bit_for_bit(
     assert (cut["done"], cut["seen_maps"], cut["files"], cut["examples"] > 64) == (True, {}, 0, True)
     with pytest.raises(InputError, match="with seed 3, expected 4"):
         train(config, None, tmp_path / "cut", seed=4, resume=True)
+
+
+def test_a_training_over_levels_makes_estimates_for_levels(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It flies in buildings of several levels alone, and is judged in those of the suite."""
+    monkeypatch.setattr("indoor_explorers.learners.pockets.learning.BATCH", 32)
+    monkeypatch.setattr("indoor_explorers.env.scenarios.suites.suite.Suite.seeds", lambda *_: range(5, 6))
+    train(TrainingConfig(flights=1, epochs=1, levels=True), None, tmp_path, seed=3)
+    assert load_weights(tmp_path / "pockets.safetensors", LEVELS).fine1.weight.shape == (5, 5, 25, 16)
+    examples = read_examples([tmp_path / "flights" / "0.npz"])
+    assert examples["fine"].shape[1:] == (25, 25, 25)
+    assert len(examples["sizes"]) > 32
+    judged = (tmp_path / "validation.md").read_text().splitlines()[2:]
+    names = [f"levels-{name}-1" for name in ("one-storey", "tall-halls", "racks", "stair-wells")]
+    assert [row.split(" | ")[0] for row in judged] == [f"| {name}" for name in (*names, "all")]
+    with pytest.raises(ValueError, match="expected no suites, no halls and no real maps with levels=true"):
+        TrainingConfig(levels=True, halls=0.2)
 
 
 def test_map_files_are_learned_from_and_recorded(tiny: Path, tmp_path: Path) -> None:

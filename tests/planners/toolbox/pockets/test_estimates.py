@@ -7,11 +7,20 @@ import numpy as np
 import pytest
 
 from indoor_explorers.env import InputError
+from indoor_explorers.env.grid.levels import plane_of
 from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters
 from indoor_explorers.planners.toolbox.networks.tensors import write_tensors
 from indoor_explorers.planners.toolbox.networks.weights_file import write_weights_file
 from indoor_explorers.planners.toolbox.pockets import estimates
-from indoor_explorers.planners.toolbox.pockets.estimates import SHIPPED, PocketEstimator, estimates_from, load_weights
+from indoor_explorers.planners.toolbox.pockets.estimates import (
+    DEFAULT_FILES,
+    SHIPPED,
+    SHIPPED_LEVELS,
+    EstimateFiles,
+    PocketEstimator,
+    estimates_from,
+    load_weights,
+)
 from indoor_explorers.planners.toolbox.pockets.network import (
     OUTPUTS,
     THRESHOLDS,
@@ -80,10 +89,42 @@ def test_a_map_without_frontiers_has_no_estimates() -> None:
 
 
 def test_shipped_weights_tell_how_they_were_made() -> None:
-    about = json.loads(SHIPPED.with_suffix(".json").read_text(encoding="utf-8"))
-    assert about["command"].startswith("python -m indoor_explorers.learners.pockets ")
-    assert about["seen_maps"] == {"training": ["floors/train", "dungeons/train"]}
-    assert len(about["commit"]) == 40
+    seen = {"training": ["floors/train", "dungeons/train"]}
+    for path, command, maps in (
+        (SHIPPED, "python -m indoor_explorers.learners.pockets ", seen),
+        (SHIPPED_LEVELS, "indoor-explorers train --learner pockets --set levels=true ", {}),
+    ):
+        about = json.loads(path.with_suffix(".json").read_text(encoding="utf-8"))
+        assert about["command"].startswith(command)
+        assert about["seen_maps"] == maps
+        assert len(about["commit"]) == 40
+
+
+def test_weights_are_for_plain_maps_or_for_levels() -> None:
+    """Either kind is refused in place of the other, and estimates over levels are asked for by name."""
+    assert EstimateFiles.named() == DEFAULT_FILES == EstimateFiles(SHIPPED, None)
+    assert EstimateFiles.named(level_weights="shipped") == EstimateFiles(SHIPPED, SHIPPED_LEVELS)
+    with pytest.raises(InputError, match="expected estimates for plain maps, got those for maps of several levels"):
+        EstimateFiles.named(str(SHIPPED_LEVELS))
+    with pytest.raises(InputError, match="expected estimates for maps of several levels, got those for plain maps"):
+        EstimateFiles.named(level_weights=str(SHIPPED))
+    with pytest.raises(InputError, match="found none"):
+        EstimateFiles.named(level_weights="missing.safetensors")
+
+
+def test_a_storey_below_a_hatch_hides_more_than_a_niche() -> None:
+    """Over levels, what may be behind a frontier is judged from the levels around it."""
+    volume = np.full((5, 24, 24), 2, np.uint8)
+    volume[3:, 1:23, 1:23] = 1
+    volume[2, 5, 5] = 1  # the hatch; nothing below it is known
+    volume[:2, 1:23, 1:23] = 0
+    volume[3:, 18, 22] = (0, 2)
+    rise = volume.shape[1] + 1
+    belief = plane_of(volume)
+    clusters = frontier_clusters(belief, 6.0, rise)
+    sizes = PocketEstimator(6.0, path=SHIPPED_LEVELS, rise=rise).estimate(belief, clusters).sizes
+    levels = clusters.cells[clusters.ends[:-1]] // volume.shape[2] // rise
+    assert sizes[levels == 2].max() > 10.0 * sizes[levels == 3].max()
 
 
 def test_other_weights_are_refused(tmp_path: Path) -> None:
