@@ -6,7 +6,7 @@ import dataclasses
 import hashlib
 import sys
 from collections.abc import Iterator
-from importlib.metadata import packages_distributions
+from importlib.metadata import distributions, packages_distributions
 from itertools import islice
 from pathlib import Path
 from types import ModuleType
@@ -55,11 +55,20 @@ def _packages(policy: Policy, use: str) -> set[str]:
     modules += [type(policy).__module__, use.partition(":")[0] if ":" in use else ""]
     tops = {module.partition(".")[0] for module in modules} - {"", *_OURS}
     tops &= sys.modules.keys()
-    if tops:
+    if tops and _may_be_installed(tops):
         owners = packages_distributions()
         mine = {owner for top in tops for owner in owners.get(top, ())}
         tops |= {top for top, names in owners.items() if top in sys.modules and mine.intersection(names)} - {*_OURS}
     return tops
+
+
+def _may_be_installed(tops: set[str]) -> bool:
+    """Tell whether an installed distribution may hold one of some modules; to be sure takes a third of a second."""
+    for distribution in distributions():
+        held = (distribution.read_text("top_level.txt") or "").strip() or distribution.read_text("RECORD")
+        if held is None or any(f"{before}{top}" in f"\n{held}" for top in tops for before in ("\n", '\n"')):
+            return True
+    return False
 
 
 def _is_library(module: str) -> bool:
