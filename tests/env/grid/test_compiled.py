@@ -34,20 +34,24 @@ def outer(x: int) -> int:
 def apart(x: int) -> int:
     return x - 1
 """
-#: Prints the results and which functions were compiled for them.
+#: Prints the results and which functions were compiled for them, for the module in each of some folders.
 CALLS = """
+import sys
 from indoor_explorers.env.grid import compile_cache
-compiled = []
-compile_cache.listeners[:] = [lambda name: name and compiled.append(name)]
-import made
-print(made.outer(3), made.apart(3), *sorted(compiled))
+for folder in sys.argv[1:] or [""]:
+    compiled = []
+    compile_cache.listeners[:] = [lambda name: name and compiled.append(name)]
+    sys.path.insert(0, folder)
+    sys.modules.pop("made", None)
+    import made
+    print(made.outer(3), made.apart(3), *sorted(compiled))
 """
 
 
-def run(code, cache, folder=None, timeout=None, **more):
+def run(code, cache, folder=None, timeout=None, words=(), **more):
     environment = os.environ | {"NUMBA_CACHE_DIR": str(cache)} | more
     done = subprocess.run(
-        [sys.executable, *(["-P"] if folder is None else []), "-c", code],
+        [sys.executable, *(["-P"] if folder is None else []), "-c", code, *words],
         env=environment,
         cwd=folder,
         capture_output=True,
@@ -96,21 +100,23 @@ def kept(tmp_path_factory):
     return cache
 
 
-@pytest.mark.parametrize(
-    ("changed", "compiled"),
-    [
-        ("# a comment that moves all lines\n" + MODULE.replace("Double a number", "Another word"), "7 2"),
-        (MODULE.replace("FACTOR = 2", "FACTOR = 3"), "10 2 inner outer"),
-        (MODULE.replace("FACTOR * x", "FACTOR * x + 1"), "8 2 inner outer"),
-        (MODULE.replace("inner(x) + 1", "inner(x) + 2"), "8 2 outer"),
-        (MODULE.replace("x - 1", "x - 2"), "7 1 apart"),
-        (MODULE.replace("@leaf()", "@kernel()"), "7 2 inner outer"),
-    ],
-    ids=["words", "constant", "called function", "caller", "apart", "options"],
-)
-def test_what_has_changed_is_compiled_with_its_callers_and_nothing_else(kept, tmp_path, changed, compiled):
-    (tmp_path / "made.py").write_text(changed)
-    assert run(CALLS, kept, tmp_path)[0] == compiled
+#: Changes of that module, and what :data:`CALLS` prints for each.
+CHANGED = {
+    "words": ("# a comment that moves all lines\n" + MODULE.replace("Double a number", "Another word"), "7 2"),
+    "constant": (MODULE.replace("FACTOR = 2", "FACTOR = 3"), "10 2 inner outer"),
+    "called function": (MODULE.replace("FACTOR * x", "FACTOR * x + 1"), "8 2 inner outer"),
+    "caller": (MODULE.replace("inner(x) + 1", "inner(x) + 2"), "8 2 outer"),
+    "apart": (MODULE.replace("x - 1", "x - 2"), "7 1 apart"),
+    "options": (MODULE.replace("@leaf()", "@kernel()"), "7 2 inner outer"),
+}
+
+
+def test_what_has_changed_is_compiled_with_its_callers_and_nothing_else(kept, tmp_path):
+    for name, (changed, _) in CHANGED.items():
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "made.py").write_text(changed)
+    shown, _ = run(CALLS, kept, tmp_path, words=CHANGED)
+    assert dict(zip(CHANGED, shown.splitlines(), strict=True)) == {name: told for name, (_, told) in CHANGED.items()}
 
 
 LEFT = """

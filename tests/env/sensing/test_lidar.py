@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.sensing.lidar import scan, view_gain
 from tests.env.sensing.reference import ancestor_scan, reference_scan
+from tests.marks import slow
 
 
 @st.composite
@@ -21,11 +22,15 @@ def places(draw, side=10):
     return truth.astype(np.uint8), cell
 
 
-@settings(max_examples=1000, deadline=None)
-@given(places(), st.sampled_from([1.0, 1.5, 2.25, 3.0, 4.5, 8.0]))
-def test_scan_equals_the_geometric_reference(place, lidar_range):
-    truth, cell = place
-    np.testing.assert_array_equal(scan(truth, cell, lidar_range), reference_scan(truth, cell, lidar_range))
+@pytest.mark.parametrize("examples", [250, *slow(1000)])
+def test_scan_equals_the_geometric_reference(examples):
+    @settings(max_examples=examples, deadline=None)
+    @given(places(), st.sampled_from([1.0, 1.5, 2.25, 3.0, 4.5, 8.0]))
+    def compare(place, lidar_range):
+        truth, cell = place
+        np.testing.assert_array_equal(scan(truth, cell, lidar_range), reference_scan(truth, cell, lidar_range))
+
+    compare()
 
 
 @settings(max_examples=500, deadline=None)

@@ -308,7 +308,7 @@ def test_same_episodes_with_any_number_of_threads():
 
 
 def test_same_episodes_in_another_process():
-    """Another process, with other hash seeds and thread counts, flies the same episode."""
+    """Another process, with another hash seed and thread count, flies the same episode."""
     code = (
         "import hashlib, numpy as np; from indoor_explorers.env import PRESETS, World;"
         "world = World(PRESETS['thesis-team-4'], 2); world.reset([11, 12]);"
@@ -316,23 +316,20 @@ def test_same_episodes_in_another_process():
         "[world.step(rng.integers(0, 5, (2, 4))) for _ in range(50)];"
         "print(hashlib.sha256(b''.join(array.tobytes() for array in world.state)).hexdigest())"
     )
-    digests = {
-        subprocess.run(
-            [sys.executable, "-P", "-c", code],
-            env=os.environ | {"PYTHONHASHSEED": str(number), "NUMBA_NUM_THREADS": str(number + 1)},
-            check=True,
-            capture_output=True,
-            text=True,
-        ).stdout
-        for number in range(2)
-    }
+    other = subprocess.run(
+        [sys.executable, "-P", "-c", code],
+        env=os.environ | {"PYTHONHASHSEED": "1", "NUMBA_NUM_THREADS": "2"},
+        check=True,
+        capture_output=True,
+        text=True,
+    ).stdout
     world = World(PRESETS["thesis-team-4"], 2)
     world.reset([11, 12])
     rng = np.random.default_rng(1)
     for _ in range(50):
         world.step(rng.integers(0, 5, (2, 4)))
     here = hashlib.sha256(b"".join(array.tobytes() for array in world.state)).hexdigest()
-    assert digests == {here + "\n"}
+    assert other == here + "\n"
 
 
 def test_a_map_of_2048_x_2048_cells():

@@ -16,6 +16,7 @@ from PIL import Image
 from indoor_explorers.env import InputError
 from indoor_explorers.env.maps.files import READERS, read_map
 from tests.env.maps.test_bad_files import refusal as refused
+from tests.marks import slow
 
 #: What refusing a file may allocate, whatever its header promises.
 LITTLE = 200_000_000
@@ -285,8 +286,8 @@ BUILDINGS = [
 # fmt: on
 
 
-#: A million elements: as the row after it, whose elements take more memory each.
-SLOW = [b"<building>" + b"<a/>" * 490_000 + b"</building>"]
+#: A million elements: as the row after each, whose elements take more memory.
+SLOW = [b"[" + b"{}," * 1_300_000 + b"{}]", b"<building>" + b"<a/>" * 490_000 + b"</building>"]
 BROKEN = {"map": GRIDS, "npy": ARRAYS, "json": HOUSES + WALLS, "xml": BUILDINGS}
 ROWS = [(f"bad.{kind}", *row) for kind, rows in BROKEN.items() for row in rows]
 
@@ -337,11 +338,15 @@ def test_nothing_but_a_regular_file_is_opened(tmp_path, suffix):
         read_map(tmp_path / f"null{suffix}")
 
 
+@pytest.mark.parametrize("examples", [20, *slow(60)])
 @pytest.mark.parametrize("suffix", READERS)
-@settings(max_examples=60, deadline=None)
-@given(st.one_of(st.binary(max_size=300), st.text(max_size=300).map(str.encode)))
-def test_junk_is_refused_in_one_line(tmp_path_factory, suffix, data):
-    refusal(tmp_path_factory.mktemp("junk"), f"junk{suffix}", data)
+def test_junk_is_refused_in_one_line(tmp_path, suffix, examples):
+    @settings(max_examples=examples, deadline=None)
+    @given(st.one_of(st.binary(max_size=300), st.text(max_size=300).map(str.encode)))
+    def refuse(data):
+        refusal(tmp_path, f"junk{suffix}", data)
+
+    refuse()
 
 
 def picture(name):
@@ -366,20 +371,25 @@ def whole(name):
     )
 
 
+@pytest.mark.parametrize("examples", [50, *slow(150)])
 @pytest.mark.parametrize(
     "name",
     ["grid.map", "array.npy", "house.json", "walls.json", "rooms.xml", "picture.png", "picture.pgm", "picture.bmp"],
 )
-@settings(max_examples=150, deadline=None)
-@given(st.data())
-def test_damage_is_refused_in_one_line_or_read_in_spite_of_it(tmp_path_factory, name, data):
-    damaged = bytearray(whole(name))
-    for place in data.draw(st.lists(st.integers(0, len(damaged) - 1), max_size=4)):
-        damaged[place] = data.draw(st.integers(0, 255))
-    cut = data.draw(st.one_of(st.none(), st.integers(0, len(damaged))))
-    path = tmp_path_factory.mktemp("damage") / name
-    path.write_bytes(bytes(damaged[:cut]))
-    assert "\n" not in outcome(path)
+def test_damage_is_refused_in_one_line_or_read_in_spite_of_it(tmp_path, name, examples):
+    path = tmp_path / name
+
+    @settings(max_examples=examples, deadline=None)
+    @given(st.data())
+    def read(data):
+        damaged = bytearray(whole(name))
+        for place in data.draw(st.lists(st.integers(0, len(damaged) - 1), max_size=4)):
+            damaged[place] = data.draw(st.integers(0, 255))
+        cut = data.draw(st.one_of(st.none(), st.integers(0, len(damaged))))
+        path.write_bytes(bytes(damaged[:cut]))
+        assert "\n" not in outcome(path)
+
+    read()
 
 
 def outcome(path):

@@ -16,6 +16,7 @@ from indoor_explorers.env.scenarios.seed_sets import SeedUse, use_of
 from indoor_explorers.env.scenarios.suites.catalogue import FOLDER, all_suites, buildings, digests_of, suite_of, suites
 from indoor_explorers.env.scenarios.suites.clones import how_to_fetch, maps_of
 from indoor_explorers.env.scenarios.suites.suite import Part, Repository, Suite, digest_of
+from tests.marks import slow
 
 DOCUMENT = (Path(__file__).parents[4] / "evaluation" / "SUITES.md").read_text()
 SHARED = Path(__file__).parents[5] / "shared" / "maps"
@@ -171,7 +172,7 @@ def test_teams_of_the_suite_of_levels_fly_the_same_buildings():
     assert all(each.map.level_count > 1 for each in levels.scenarios())
 
 
-@pytest.mark.parametrize("name", ["rooms", "floors-generated"])
+@pytest.mark.parametrize("name", ["rooms", *slow("floors-generated")])
 def test_no_map_to_test_on_is_a_turned_mirrored_or_rescaled_one_to_train_on(name: str):
     suite = suite_of(name)
     assert suite.map is not None
