@@ -150,8 +150,8 @@ def test_a_wrong_tally_is_refused(told):
     ("kind", "check"),
     [
         (variant(Returns, value=1.0), "actions"),
-        (variant(Says, said=(1.0, "hello")), "messages"),
-        (variant(Tallies, told=[1.0]), "tally"),
+        pytest.param(variant(Says, said=(1.0, "hello")), "messages", marks=pytest.mark.slow),
+        pytest.param(variant(Tallies, told=[1.0]), "tally", marks=pytest.mark.slow),
     ],
 )
 def test_a_wrong_answer_fails_one_check_and_the_others_go_on(kind, check):

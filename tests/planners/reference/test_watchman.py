@@ -18,6 +18,7 @@ from indoor_explorers.planners.reference.watchman import Solution, Watch, fewest
 from tests.env.search.small_maps import connected_map
 from tests.evaluation.harness.episodes.test_lower_bounds import SHARES
 from tests.evaluation.harness.episodes.test_lower_bounds import fewest_steps as all_walks
+from tests.marks import slow
 
 MOST = 10**6
 
@@ -93,7 +94,7 @@ def test_a_number_of_steps_that_suffices_is_the_answer_where_none_fewer_do():
     assert (found.lower, found.walks) == (55, None)
 
 
-@pytest.mark.parametrize("most", [0, 1, 30])
+@pytest.mark.parametrize("most", [0, *slow(1), 30])
 def test_a_search_that_does_not_end_has_proved_a_bound(most):
     _, found = solved(*room("thesis-open", 3), 3.0, 0.99, below=50, most=most)
     assert 40 <= found.lower <= 44

@@ -57,10 +57,9 @@ def supervisor(plugins_found):
     "name",
     [
         "random",
-        "frontier",
         "reference",
         "dddqn",
-        *slow("frontier-nearest", "pso"),
+        *slow("frontier", "frontier-nearest", "pso"),
     ],
 )
 def test_isolated_policies_fly_the_same_episodes(name, supervisor):

@@ -114,13 +114,13 @@ def test_the_script_runs_the_code_of_the_clone_in_its_folder(process: PeerProces
     ("question", "values", "told"),
     [
         ("die", {"code": 3}, "ended with exit code 3; it printed: doubling | Killed by the peer | last words"),
-        ("kill", {}, "was killed by SIGKILL; it printed: loading"),
+        pytest.param("kill", {}, "was killed by SIGKILL; it printed: loading", marks=pytest.mark.slow),
         ("close", {}, "closed its output"),
         ("garble", {}, "sent what is no answer: expected a message that begins with b'IXP1', got b'Segmentation fau'"),
         ("fail", {}, "failed in 'fail': ValueError: no path to node 3"),
-        ("wrong", {}, "failed in 'wrong': no answer"),
+        pytest.param("wrong", {}, "failed in 'wrong': no answer", marks=pytest.mark.slow),
         ("unsendable", {}, "expected a JSON value or an array of numbers, got a object"),
-        ("unheard", {}, "failed in 'unheard': KeyError: 'unheard'"),
+        pytest.param("unheard", {}, "failed in 'unheard': KeyError: 'unheard'", marks=pytest.mark.slow),
     ],
 )
 def test_a_failure_is_one_line_and_the_next_question_finds_a_new_process(
