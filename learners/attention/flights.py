@@ -21,7 +21,8 @@ from indoor_explorers.env.simulation.world import World
 from indoor_explorers.learners.attention.graph import TRUE_FEATURES, Graph, GraphSettings, true_graph
 from indoor_explorers.learners.attention.network import Loaded, scores
 from indoor_explorers.learners.attention.policy import AttentionPilot, probabilities
-from indoor_explorers.learners.pockets.maps import TrainingMaps, team_settings
+from indoor_explorers.learners.pockets.maps import TrainingMaps
+from indoor_explorers.learners.pockets.tasks import team_settings
 
 #: Lidar ranges in cells and numbers of UAVs, each with their shares of the flights.
 RANGES, RANGE_SHARES = (10.0, 7.0, 14.0), (0.7, 0.15, 0.15)

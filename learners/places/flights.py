@@ -23,7 +23,8 @@ from indoor_explorers.learners.places.network import Loaded, values
 from indoor_explorers.learners.places.policy import PlacesPilot
 from indoor_explorers.learners.places.scene import MOST, Scene
 from indoor_explorers.learners.places.truth import TrueMap, Truth, truth_of
-from indoor_explorers.learners.pockets.maps import TrainingMaps, lidar_over_levels, team_settings
+from indoor_explorers.learners.pockets.maps import TrainingMaps
+from indoor_explorers.learners.pockets.tasks import lidar_over_levels, team_settings
 from indoor_explorers.planners.toolbox.networks.tensors import read_tensors, write_tensors
 from indoor_explorers.planners.toolbox.pockets.estimates import DEFAULT_FILES, EstimateFiles
 

@@ -16,7 +16,8 @@ from indoor_explorers.env.scenarios.presets import on_files
 from indoor_explorers.env.search.bfs import distance_field
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
 from indoor_explorers.env.simulation.world import World
-from indoor_explorers.learners.pockets.maps import GENERATED, TrainingMaps, lidar_over_levels
+from indoor_explorers.learners.pockets.maps import GENERATED, TrainingMaps
+from indoor_explorers.learners.pockets.tasks import lidar_over_levels
 from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters, frontier_clusters, nearest_cells
 from indoor_explorers.planners.toolbox.pockets.features import pictures
 from indoor_explorers.planners.toolbox.pockets.labels import true_pockets

@@ -15,7 +15,7 @@ from indoor_explorers.learners.reports.situation import LATE_COST, Situation, Si
 from indoor_explorers.learners.sessions.record import digest_of
 from indoor_explorers.planners.toolbox.explorers import ExploringWith
 from indoor_explorers.planners.toolbox.networks.weights_file import weights_path
-from indoor_explorers.planners.toolbox.pockets.estimates import SHIPPED as POCKETS
+from indoor_explorers.planners.toolbox.pockets.estimates import DEFAULT_FILES, EstimateFiles
 from indoor_explorers.planners.toolbox.pockets.outlook import EstimateUser
 from indoor_explorers.planners.toolbox.reporting import ReportingPilot
 
@@ -35,10 +35,10 @@ class ReportsPilot(ReportingPilot):
         pilot: Pilot,
         weights: NetworkWeights,
         late_cost: float = LATE_COST,
-        pockets: Path = POCKETS,
+        files: EstimateFiles = DEFAULT_FILES,
     ) -> None:
         super().__init__(briefing, explorer, pilot)
-        self._weights, self._observer = weights, SituationObserver(self, late_cost, pockets)
+        self._weights, self._observer = weights, SituationObserver(self, late_cost, files)
         self._period, self._next = max(1, int(briefing.lidar_range)), 0
         self._valued = ""
 
@@ -108,7 +108,7 @@ class DddqnReports(EstimateUser, ExploringWith):
         """Make the pilot of one UAV for one episode."""
         explorer = self.make_explorer()
         weights, pilot = load_weights(self.path), explorer.pilot(briefing)
-        return ReportsPilot(briefing, explorer, pilot, weights, pockets=self.estimate_files.plain)
+        return ReportsPilot(briefing, explorer, pilot, weights, files=self.estimate_files)
 
     def provenance(self) -> dict[str, str]:
         """Return the hashes of the network's weights and of those of the estimates, and what the explorer declares."""

@@ -7,7 +7,6 @@ lidar, map and deadline.
 from __future__ import annotations
 
 from math import log, log1p
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -17,8 +16,7 @@ from indoor_explorers.env.grid.cells import FREE, UNREACHABLE
 from indoor_explorers.env.policies.view import View
 from indoor_explorers.planners.toolbox.explorers import added
 from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters
-from indoor_explorers.planners.toolbox.pockets.estimates import SHIPPED as POCKETS
-from indoor_explorers.planners.toolbox.pockets.estimates import PocketEstimator
+from indoor_explorers.planners.toolbox.pockets.estimates import DEFAULT_FILES, EstimateFiles
 from indoor_explorers.planners.toolbox.reporting import ADDED, ReportingPilot, home_of
 
 #: Numbers of a situation.
@@ -53,15 +51,16 @@ class SituationObserver:
     Args:
         pilot: The pilot that chooses.
         late_cost: Points that it costs if the base knows under 99 % at the deadline.
-        pocket_weights: File of the estimates' weights.
+        files: Files of the estimates' weights.
 
     """
 
-    def __init__(self, pilot: ReportingPilot, late_cost: float = LATE_COST, pocket_weights: Path = POCKETS) -> None:
+    def __init__(
+        self, pilot: ReportingPilot, late_cost: float = LATE_COST, files: EstimateFiles = DEFAULT_FILES
+    ) -> None:
         self._pilot, self._late_cost = pilot, late_cost
         self._range = float(pilot.briefing.lidar_range)
-        one_level = pilot.briefing.levels.number == 1  # the estimates know no levels
-        self._estimator = PocketEstimator(self._range, path=pocket_weights) if one_level else None
+        self._estimator = files.estimator(pilot.briefing)
         self._known: list[int] = []
 
     def note(self) -> None:

@@ -78,26 +78,33 @@ class Moments(NamedTuple):
 
 
 @inner()
-def _place(cell: int, width: int, rise: int) -> tuple[int, int, int]:
+def place_of(cell: int, width: int, rise: int) -> tuple[int, int, int]:
     """Return the level, row and column of a flat cell; level 0 where there is one."""
     level, row = on_level(cell // width, rise)
     return level, row, cell % width
 
 
 @kernel(entry=False)
-def _moments(cells: np.ndarray, width: int, rise: int) -> Moments:
-    """Return the moments of flat cells (K,)."""
-    count = cells.shape[0]
+def mean_place(cells: np.ndarray, width: int, rise: int) -> tuple[float, float, float]:
+    """Return the mean level, row and column of flat cells (K,)."""
     level_sum, row_sum, col_sum = 0, 0, 0
-    for k in range(count):
-        level, row, col = _place(cells[k], width, rise)
+    for cell in cells:
+        level, row, col = place_of(cell, width, rise)
         level_sum += level
         row_sum += row
         col_sum += col
-    level_mean, row_mean, col_mean = level_sum / count, row_sum / count, col_sum / count
+    count = cells.shape[0]
+    return level_sum / count, row_sum / count, col_sum / count
+
+
+@kernel(entry=False)
+def _moments(cells: np.ndarray, width: int, rise: int) -> Moments:
+    """Return the moments of flat cells (K,)."""
+    count = cells.shape[0]
+    level_mean, row_mean, col_mean = mean_place(cells, width, rise)
     ll = rr = rc = cc = largest = 0.0
     for k in range(count):
-        level, row, col = _place(cells[k], width, rise)
+        level, row, col = place_of(cells[k], width, rise)
         up, down, right = level - level_mean, row - row_mean, col - col_mean
         ll += up * up
         rr += down * down
@@ -113,7 +120,7 @@ def _halved(cells: np.ndarray, width: int, rise: int, moments: Moments) -> int:
     """Move the cells on the lower side of the principal axis to the front, in order; return their number."""
     upper, lower = np.empty(cells.shape[0], cells.dtype), 0
     for k in range(cells.shape[0]):
-        level, row, col = _place(cells[k], width, rise)
+        level, row, col = place_of(cells[k], width, rise)
         along = (row - moments.row) * np.cos(moments.angle) + (col - moments.col) * np.sin(moments.angle)
         if (level - moments.level if moments.upright else along) <= 0.0:
             cells[lower] = cells[k]
@@ -209,7 +216,7 @@ def _middles(cells: np.ndarray, ends: np.ndarray, width: int, rise: int) -> np.n
         part = cells[ends[k] : ends[k + 1]]
         moments, least = _moments(part, width, rise), np.inf
         for cell in part:
-            level, row, col = _place(cell, width, rise)
+            level, row, col = place_of(cell, width, rise)
             up, down, right = level - moments.level, row - moments.row, col - moments.col
             away = down * down + right * right + up * up
             if away < least:

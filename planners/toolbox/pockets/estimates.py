@@ -112,14 +112,13 @@ class EstimateFiles(NamedTuple):
             InputError: one of them is missing, or not a file of the network for such maps.
 
         """
-        levels = None if level_weights is None else SHIPPED_LEVELS
-        if level_weights not in (None, AS_SHIPPED):
-            levels = weights_path(level_weights, SHIPPED_LEVELS, NAME)
-        found = cls(weights_path(pocket_weights, SHIPPED, NAME), levels)
-        load_weights(found.plain)
-        if found.levels is not None:
-            load_weights(found.levels, LEVELS)
-        return found
+        plain, levels = weights_path(pocket_weights, SHIPPED, NAME), None
+        load_weights(plain)
+        if level_weights is not None:
+            given = None if level_weights == AS_SHIPPED else level_weights
+            levels = weights_path(given, SHIPPED_LEVELS, NAME)
+            load_weights(levels, LEVELS)
+        return cls(plain, levels)
 
     def estimator(self, briefing: Briefing) -> PocketEstimator | None:
         """Return the estimator for one UAV's map; None where there are to be no estimates."""

@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.grid.compiled import kernel
-from indoor_explorers.env.grid.levels import on_level
-from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters
+from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters, mean_place, place_of
 
 #: Cells, or blocks, along a side of a picture; odd.
 SIDE = 25
@@ -138,19 +137,6 @@ def _draw_near(picture: np.ndarray, nearness: np.ndarray) -> None:
         head = last
 
 
-@kernel(entry=False)
-def _middle(cells: np.ndarray, width: int, rise: int) -> tuple[int, int, int]:
-    """Return the mean level, row and column of flat cells (K,), rounded."""
-    level_sum, row_sum, col_sum = 0, 0, 0
-    for cell in cells:
-        level, row = on_level(cell // width, rise)
-        level_sum += level
-        row_sum += row
-        col_sum += cell % width
-    count = cells.shape[0]
-    return int(np.round(level_sum / count)), int(np.round(row_sum / count)), int(np.round(col_sum / count))
-
-
 @kernel()
 def _pictures(
     belief: np.ndarray, cells: np.ndarray, ends: np.ndarray, rise: int, fine: np.ndarray, coarse: np.ndarray
@@ -163,7 +149,8 @@ def _pictures(
         nearness[steps] = np.uint8(255.0 * np.exp(-(steps - 1) / FADE))
     for k in range(ends.shape[0] - 1):
         own = cells[ends[k] : ends[k + 1]]
-        level, row, col = _middle(own, width, rise)
+        mean_level, mean_row, mean_col = mean_place(own, width, rise)
+        level, row, col = int(np.round(mean_level)), int(np.round(mean_row)), int(np.round(mean_col))
         lowest, top, left = level - shown // 2, row - SIDE // 2, col - SIDE // 2
         for place in range(shown):
             at = lowest + place
@@ -174,8 +161,8 @@ def _pictures(
             blocks = coarse[k, place * COARSE_LAYERS : (place + 1) * COARSE_LAYERS]
             _draw_blocks(sums, first, last, first + row - middle, col - middle, blocks)
         for cell in own:
-            at, on = on_level(cell // width, rise)
-            place, r, c = at - lowest, on - top, cell % width - left
+            at, r, c = place_of(cell, width, rise)
+            place, r, c = at - lowest, r - top, c - left
             if 0 <= place < shown and 0 <= r < SIDE and 0 <= c < SIDE:
                 fine[k, place * FINE_LAYERS + 2, r, c] = 1
         _draw_near(fine[k], nearness)

@@ -45,8 +45,8 @@ class EstimateUser(Parameters):
 
     def provenance(self) -> dict[str, str]:
         """Return a hash of each file of the estimates' weights."""
-        files = {"pocket_weights": self.estimate_files.plain, "level_weights": self.estimate_files.levels}
-        return {name: hashlib.sha256(path.read_bytes()).hexdigest()[:16] for name, path in files.items() if path}
+        named = zip(("pocket_weights", "level_weights"), self.estimate_files, strict=True)
+        return {name: hashlib.sha256(path.read_bytes()).hexdigest()[:16] for name, path in named if path}
 
     def seen_maps(self) -> dict[str, list[str]]:
         """Return the maps that the estimates were learned from."""

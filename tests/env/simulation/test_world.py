@@ -23,6 +23,7 @@ from indoor_explorers.env.sensing.lidar import scan
 from indoor_explorers.env.simulation.radio import CELL_BYTES, POSITION_BYTES
 from indoor_explorers.env.simulation.state import End
 from tests.env.worlds import begun, floorplans, random_actions, scenarios
+from tests.marks import slow
 
 seeds = st.integers(0, 2**32)
 examples = settings(max_examples=80, deadline=None)
@@ -307,7 +308,8 @@ def test_same_episodes_with_any_number_of_threads():
             np.testing.assert_array_equal(array, getattr(worlds[0].state, name), err_msg=name)
 
 
-def test_same_episodes_in_another_process():
+@pytest.mark.parametrize("number", [1, *slow(0)])
+def test_same_episodes_in_another_process(number):
     """Another process, with another hash seed and thread count, flies the same episode."""
     code = (
         "import hashlib, numpy as np; from indoor_explorers.env import PRESETS, World;"
@@ -318,7 +320,7 @@ def test_same_episodes_in_another_process():
     )
     other = subprocess.run(
         [sys.executable, "-P", "-c", code],
-        env=os.environ | {"PYTHONHASHSEED": "1", "NUMBA_NUM_THREADS": "2"},
+        env=os.environ | {"PYTHONHASHSEED": str(number), "NUMBA_NUM_THREADS": str(number + 1)},
         check=True,
         capture_output=True,
         text=True,
