@@ -13,7 +13,7 @@ from indoor_explorers.env.provenance import joined, record_of, recorded_maps
 from indoor_explorers.learners.places.network import Loaded, load_weights, values, without_network
 from indoor_explorers.learners.places.scene import OTHERS, Observer, Scene
 from indoor_explorers.learners.sessions.record import digest_of
-from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
+from indoor_explorers.planners.toolbox.information.lookouts import LookoutPilot
 from indoor_explorers.planners.toolbox.networks.weights_file import weights_path
 from indoor_explorers.planners.toolbox.parameters import bounded
 from indoor_explorers.planners.toolbox.pockets.estimates import DEFAULT_FILES, EstimateFiles
@@ -23,7 +23,7 @@ from indoor_explorers.planners.toolbox.pockets.outlook import LevelEstimateUser
 KEEP = 1.0
 
 
-class PlacesPilot(GoalPilot):
+class PlacesPilot(LookoutPilot):
     """Choose among the places, and fly to the one of highest value.
 
     Args:
@@ -43,6 +43,7 @@ class PlacesPilot(GoalPilot):
         super().__init__(briefing)
         self._loaded = loaded
         self._observer = Observer(self, guess=loaded.guess, lookouts=loaded.lookouts, sector=sector, files=files)
+        self.lookouts = self._observer.lookouts
         self.replan_period = self.steps_in(KEEP)
 
     def choose(self, view: View) -> Cell | None:

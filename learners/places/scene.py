@@ -23,7 +23,7 @@ from indoor_explorers.planners.toolbox.information.cluster_places import (
     log_gains,
     waiting_weights,
 )
-from indoor_explorers.planners.toolbox.information.lookouts import distinct, with_lookouts
+from indoor_explorers.planners.toolbox.information.lookouts import Lookouts
 from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
 from indoor_explorers.planners.toolbox.navigation.teammates import remembered
 from indoor_explorers.planners.toolbox.pockets.estimates import DEFAULT_FILES, EstimateFiles, PocketEstimates
@@ -129,8 +129,8 @@ class Observer:
     ) -> None:
         self._pilot, self._briefing = pilot, pilot.briefing
         self._range = float(pilot.briefing.lidar_range)
-        self._lookouts = lookouts
         self._found = ClusterPlaces(pilot, TRAINED_ON, stride=TRAINED_STRIDE, same=TRAINED_SAME)
+        self.lookouts = Lookouts(pilot, self._found, TRAINED_ON.discount_rate, lookouts)
         self._estimator = files.estimator(pilot.briefing) if guess else None
         self._judge = ClusterJudge(pilot.briefing, TRAINED_OUTLOOK)
         self._out_of_contact = OutOfContact(pilot.briefing, sector=sector) if sector else None
@@ -140,8 +140,7 @@ class Observer:
         found = self._found.found(view)
         if not len(found.cells):
             return None
-        if self._lookouts:
-            found = with_lookouts(self._pilot, self._found, view, found, TRAINED_ON.discount_rate, self._lookouts)
+        found = self.lookouts.added_to(view, found)
         about = self._expected(view, found.clusters, found.away)
         mates = remembered(view, self._briefing)
         fields = [self._pilot.steps_from(view, mate.cell).ravel() for mate in mates]
@@ -171,9 +170,7 @@ class Observer:
         taken = found.factors[best] <= LEFT_TO_OTHERS * found.factors.max()
         rank = scores[best] - _DEFERRED_LATER * outlook.deferred[found.owner[best]] - _TAKEN_LATER * taken
         best = best[np.argsort(-rank, kind="stable")[:MOST]]
-        if self._lookouts:
-            best = best[distinct(self._pilot, view, found.cells[best])]
-        return found.at(best)
+        return found.at(best[self.lookouts.distinct(view, found.cells[best])])
 
     def _scene(
         self, view: View, found: _Candidates, about: _Clusters, mates: list[Mate], fields: list[NDArray[np.int32]]

@@ -22,8 +22,7 @@ from indoor_explorers.planners.toolbox.information.cluster_places import (
     log_gains,
     waiting_weights,
 )
-from indoor_explorers.planners.toolbox.information.lookouts import KEPT, distinct, with_lookouts
-from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
+from indoor_explorers.planners.toolbox.information.lookouts import LookoutPilot, Lookouts
 from indoor_explorers.planners.toolbox.navigation.teammates import remembered
 from indoor_explorers.planners.toolbox.parameters import bounded
 from indoor_explorers.planners.toolbox.pockets.outlook import Outlook
@@ -71,11 +70,9 @@ class ClusterViewpoints(NamedTuple):
     """(K,) weighted view gains, times the factors for teammates."""
     kept: NDArray[np.bool_]
     """(K,) bool, whether they are at the last goal."""
-    lookouts: NDArray[np.bool_]
-    """(K,) bool, whether they are not at a frontier."""
 
 
-class LatencyPilot(GoalPilot):
+class LatencyPilot(LookoutPilot):
     """Order the clusters whenever the map has changed, and fly to the first."""
 
     changes_levels: ClassVar[bool] = True
@@ -87,31 +84,18 @@ class LatencyPilot(GoalPilot):
         self._range = briefing.lidar_range
         self._out_of_contact = OutOfContact(briefing, sector=policy.sector) if policy.sector else None
         self._found = ClusterPlaces(self, policy)
-        self._lookout: tuple[Cell, float] | None = None
-        """The lookout that the UAV flies to, and its gain when it was chosen."""
+        self.lookouts = Lookouts(self, self._found, policy.discount_rate, policy.lookouts)
         self.replan_period = self.steps_in(KEEP)
 
     def choose(self, view: View) -> Cell | None:
         """Return the first viewpoint of the order of lowest cost."""
-        if self._lookout is not None and self._is_worth_it(view, *self._lookout):
-            return self.goal
         viewpoints = self._viewpoints(view)
         if len(viewpoints.cells) == 0:
             return None
         costs = self._orders(view, viewpoints)[0] - self._policy.switch_cost * viewpoints.kept
         gains, steps = viewpoints.gains, viewpoints.steps
         self.consider(viewpoints.cells, "cost of the best order, negative", -costs, cost=costs, gain=gains, steps=steps)
-        first = int(np.argmin(costs))
-        goal = divmod(int(viewpoints.cells[first]), self.paths.width)
-        self._lookout = (goal, self._gain(view, goal)) if viewpoints.lookouts[first] else None
-        return goal
-
-    def _is_worth_it(self, view: View, cell: Cell, gain: float) -> bool:
-        """Tell whether to fly on to a lookout: choices anew would lead to and fro between two of them."""
-        return self.goal == cell != view.cell and self._gain(view, cell) >= KEPT * gain
-
-    def _gain(self, view: View, cell: Cell) -> float:
-        return float(self._found.views(view, self.paths.flat([cell]))[0])
+        return divmod(int(viewpoints.cells[np.argmin(costs)]), self.paths.width)
 
     def order(self, view: View) -> list[Cell]:
         """Return the viewpoints of the order of lowest cost, in turn, without the switch cost."""
@@ -139,9 +123,7 @@ class LatencyPilot(GoalPilot):
         """Return the best viewpoints of the best reachable clusters."""
         found = self._found.found(view)
         outlook = self.outlook(view, found.clusters, found.away)
-        at_frontier = found.cells
-        if self._policy.lookouts and len(at_frontier):
-            found = with_lookouts(self, self._found, view, found, self._policy.discount_rate, self._policy.lookouts)
+        found = self.lookouts.added_to(view, found)
         wanted = ~outlook.deferred[found.owner]
         found = found.selected(wanted) if wanted.any() and not wanted.all() else found
         factors = self.factors(view, found.cells, found.steps)
@@ -154,10 +136,8 @@ class LatencyPilot(GoalPilot):
         kept = self._found.at_goal(cells)
         best = self._found.best_of_each(owner, scores, kept)
         best = best[np.argsort(-scores[best], kind="stable")][: self._policy.clusters]
-        if self._policy.lookouts:
-            best = best[distinct(self, view, cells[best])]
-        lookouts = ~np.isin(cells[best], at_frontier) if self._policy.lookouts else np.zeros(len(best), np.bool_)
-        return ClusterViewpoints(cells[best], steps[best], gains[best], kept[best], lookouts)
+        best = best[self.lookouts.distinct(view, cells[best])]
+        return ClusterViewpoints(cells[best], steps[best], gains[best], kept[best])
 
     def _orders(self, view: View, viewpoints: ClusterViewpoints) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
         """Return the costs of the best orders that begin at each viewpoint, in lidar ranges, (K,).

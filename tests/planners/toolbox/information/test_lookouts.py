@@ -7,7 +7,7 @@ from indoor_explorers.env import make_policy
 from indoor_explorers.env.grid.cells import FREE, UNKNOWN
 from indoor_explorers.env.search.connected_parts import largest_part
 from indoor_explorers.planners.frontier.latency import FrontierLatency
-from indoor_explorers.planners.toolbox.information.lookouts import NEAR, distinct, with_lookouts
+from indoor_explorers.planners.toolbox.information.lookouts import NEAR, Lookouts
 from indoor_explorers.planners.toolbox.information.view_gain import visible_sets
 from tests.planners.flights import fly, fly_preset, view_of, world_on
 
@@ -19,13 +19,13 @@ HALL[8:13, 10:14] = UNKNOWN
 
 
 def in_hall():
-    """A pilot in the hall with a lidar of ten cells, and its view from the left of the table."""
+    """A pilot in the hall with a lidar of ten cells, its lookouts, and its view from the left of the table."""
     pilot = FrontierLatency().pilot(world_on(np.ones(HALL.shape, np.bool_), lidar__range=10.0).briefing(0, 0))
-    return pilot, view_of(HALL, (9, 4))
+    return pilot, Lookouts(pilot, pilot._found, 1.0, 8), view_of(HALL, (9, 4))
 
 
-def steps_to_99(policy, scenario, seed):
-    return len(fly_preset(policy, scenario, seed, goal=0.99, team=1, budget=1500)[2])
+def steps_to_99(policy, scenario, seed, **settings):
+    return len(fly_preset(policy, scenario, seed, goal=0.99, team=1, budget=1500, **settings)[2])
 
 
 def viewpoints(pilot, view):
@@ -35,9 +35,9 @@ def viewpoints(pilot, view):
 
 
 def test_lookouts_are_near_and_see_into_their_clusters():
-    pilot, view = in_hall()
+    pilot, lookouts, view = in_hall()
     found, best = viewpoints(pilot, view)
-    among = with_lookouts(pilot, pilot._found, view, found, 1.0, 8)
+    among = lookouts.added_to(view, found)
     added = slice(len(found.cells), None)
     assert 1 <= len(among.cells[added]) <= 8
     assert np.array_equal(among.cells[: len(found.cells)], found.cells)
@@ -49,16 +49,37 @@ def test_lookouts_are_near_and_see_into_their_clusters():
 
 
 def test_where_a_uav_has_been_is_no_lookout():
-    pilot, view = in_hall()
+    pilot, lookouts, view = in_hall()
     found, _ = viewpoints(pilot, view)
     been = view._replace(visited=np.ones(HALL.shape, np.bool_))
-    assert with_lookouts(pilot, pilot._found, been, found, 1.0, 8) is found
+    assert lookouts.added_to(been, found) is found
+
+
+def test_a_lookout_is_kept_until_it_is_reached_or_half_of_its_gain_is_lost():
+    pilot, lookouts, view = in_hall()
+    pilot.lookouts = lookouts
+    found, _ = viewpoints(pilot, view)
+    among = lookouts.added_to(view, found)
+    frontier, lookout = (divmod(int(among.cells[k]), HALL.shape[1]) for k in (0, -1))
+    pilot.navigator.observe(view)
+    pilot.choose = lambda _: lookout
+    pilot.choose_goal(view)
+    assert pilot.goal == lookout
+    assert not pilot.is_spent(view, lookout)
+    assert pilot.is_spent(view._replace(cell=lookout), lookout)
+    seen = HALL.copy()
+    seen[8:13, 10:14] = FREE
+    assert pilot.is_spent(view._replace(belief=seen), lookout)
+    pilot.choose = lambda _: frontier
+    pilot.choose_goal(view)
+    assert not pilot.is_spent(view, frontier)
+    assert pilot.is_spent(view, lookout)
 
 
 def test_viewpoints_that_a_better_one_covers_are_left_out():
-    pilot, view = in_hall()
+    pilot, lookouts, view = in_hall()
     cells = pilot.paths.flat([(12, 9), (12, 9), (2, 2), (8, 16)])
-    kept = distinct(pilot, view, cells)
+    kept = lookouts.distinct(view, cells)
     assert kept.tolist()[:2] == [True, False]
     sets = visible_sets(view.belief, cells, pilot.lidar)
     first, last = (int.from_bytes(each.tobytes(), "little") for each in sets[[0, 3]])
@@ -72,6 +93,20 @@ def test_viewpoints_that_a_better_one_covers_are_left_out():
 def test_uavs_do_not_fly_to_and_fro_between_lookouts(policy, scenario, seed):
     """With choices anew at every step ``frontier-predictive`` would in the first of these maps."""
     assert steps_to_99(make_policy(policy, lookouts=8), scenario, seed) < 900
+
+
+@pytest.mark.parametrize(
+    ("scenario", "seed"),
+    [
+        ("tall-halls", 22_000_003),
+        pytest.param("racks", 22_000_017, marks=pytest.mark.slow),
+        pytest.param("stair-wells", 22_000_009, marks=pytest.mark.slow),
+    ],
+)
+def test_networks_do_not_fly_to_and_fro_between_lookouts(scenario, seed):
+    """With choices anew at every step ``dddqn-places`` would in each of these buildings."""
+    policy = make_policy("dddqn-places", lookouts=8, level_weights="shipped")
+    assert steps_to_99(policy, scenario, seed, **{"lidar.elevation": 15}) < 900
 
 
 def furnished(seed):
