@@ -16,11 +16,15 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env import Scenario, World, make_policy
 from indoor_explorers.env.grid.cells import UNKNOWN
-from indoor_explorers.env.policies.registry import policy_entry_points
+from indoor_explorers.env.policies.registry import policy_entry_points, with_parameters
 from indoor_explorers.env.scenarios.parts import Radio
 from indoor_explorers.env.simulation.rollout import Uav, make_pilots, rollout
-from indoor_explorers.evaluation.studies.bench.worlds import square
+from indoor_explorers.evaluation.studies.bench.worlds import square, tall
 
+#: What ``decide-NAME-64x64x6-team4`` flies besides the policies as they are: those with estimates over levels, by name.
+WITH_ESTIMATES = {
+    f"{name}-estimates": f'{name}(level_weights="shipped")' for name in ("frontier-predictive", "dddqn-places")
+}
 #: Steps of the warm-up episode.
 WARM_UP = 10
 #: Maps of the growth figures are known except for squares whose side and distance are this many lidar ranges.
@@ -65,7 +69,8 @@ def flown(policy: str, task: Scenario, seeds: Sequence[int], *, pockets: bool = 
 
 def _flight(name: str, task: Scenario, seed: int, pockets: bool) -> list[tuple[float, bool]]:
     """Return the seconds of each decision of an episode, and whether it made a plan."""
-    world, policy = World(task), make_policy(name)
+    plain, parameters = with_parameters(name)
+    world, policy = World(task), make_policy(plain, **parameters)
     world.reset([seed])
     if pockets:
         _reveal(world)
@@ -97,22 +102,29 @@ def _reveal(world: World) -> None:
 
 
 @cache
-def decisions(policy: str, side: int, lidar_range: float, team: int, steps: int, flights: int) -> Decisions:
-    """Return the decisions of a team with radio on a square map."""
+def decisions(
+    policy: str, side: int, lidar_range: float, team: int, steps: int, flights: int, levels: int = 1
+) -> Decisions:
+    """Return the decisions of a team with radio on a square map, or in a storey of some levels."""
     radio = Radio(model="square", range=3 * lidar_range)
-    task = square(side, lidar_range, team, radio).with_settings({"budget": steps})
-    return flown(policy, task, range(flights))
+    task = tall(side, levels, lidar_range, team, radio) if levels > 1 else square(side, lidar_range, team, radio)
+    return flown(policy, task.with_settings({"budget": steps}), range(flights))
 
 
 def figures() -> dict[str, Callable[[], float]]:
     """Return a function that measures each figure, by name; figures of one policy and map share their episodes."""
     found: dict[str, Callable[[], float]] = {}
-    for side, cells, team, steps, flights in ((16, 3.0, 2, 200, 5), (250, 10.0, 2, 200, 5), (250, 10.0, 4, 400, 2)):
-        for policy in policy_entry_points():
-            take = partial(decisions, policy, side, cells, team, steps, flights)
-            name = f"decide-{policy}-{side}x{side}" + (f"-team{team}" if team > 2 else "")
-            for tail, of in (("", Decisions.median), ("-p99", Decisions.slowest), ("-planning", Decisions.planning)):
-                found[name + tail] = partial(lambda of, take: of(take()), of, take)
+    plain = {name: name for name in policy_entry_points()}
+    for tail, policies, task in (
+        ("16x16", plain, (16, 3.0, 2, 200, 5)),
+        ("250x250", plain, (250, 10.0, 2, 200, 5)),
+        ("250x250-team4", plain, (250, 10.0, 4, 400, 2)),
+        ("64x64x6-team4", plain | WITH_ESTIMATES, (64, 10.0, 4, 200, 1, 6)),
+    ):
+        for name, policy in policies.items():
+            take = partial(decisions, policy, *task)
+            for end, of in (("", Decisions.median), ("-p99", Decisions.slowest), ("-planning", Decisions.planning)):
+                found[f"decide-{name}-{tail}{end}"] = partial(lambda of, take: of(take()), of, take)
     return found
 
 

@@ -37,9 +37,9 @@ def square(side: int, lidar_range: float, team: int, radio: Radio | None = None)
     )
 
 
-def tall(side: int, levels: int, lidar_range: float, team: int) -> Scenario:
+def tall(side: int, levels: int, lidar_range: float, team: int, radio: Radio | None = None) -> Scenario:
     """Return a storey of some levels: rooms, corridors and furniture; hitting a wall only costs a step."""
-    task = square(side, lidar_range, team)
+    task = square(side, lidar_range, team, radio)
     maps = StoreysMaps(height=side, width=side, storeys=1, storey_height=levels)
     return task.model_copy(update={"name": f"{side}x{side}x{levels}", "map": maps})
 

@@ -164,6 +164,14 @@ def test_every_policys_decisions_are_timed(name: str) -> None:
     assert (found.seconds > 0).all()
 
 
+def test_decisions_over_levels_are_timed_with_estimates_and_without():
+    figures = deciding.figures()
+    for name, policy in {"frontier-predictive": "frontier-predictive", **deciding.WITH_ESTIMATES}.items():
+        found = deciding.decisions(policy, 12, 4.0, 2, 3, 1, 4)
+        assert len(found.seconds) == 6
+        assert {f"decide-{name}-64x64x6-team4{end}" for end in ("", "-p99", "-planning")} <= figures.keys()
+
+
 def test_decisions_that_make_a_plan_are_told_apart():
     found = deciding.decisions("frontier-nearest", 16, 3.0, 2, 30, 2)
     assert len(found.seconds) == len(found.planned) == 2 * 2 * 30
