@@ -16,7 +16,7 @@ from indoor_explorers.learners.sessions.record import digest_of
 from indoor_explorers.planners.toolbox.explorers import ExploringWith
 from indoor_explorers.planners.toolbox.networks.weights_file import weights_path
 from indoor_explorers.planners.toolbox.pockets.estimates import DEFAULT_FILES, EstimateFiles
-from indoor_explorers.planners.toolbox.pockets.outlook import EstimateUser
+from indoor_explorers.planners.toolbox.pockets.outlook import LevelEstimateUser
 from indoor_explorers.planners.toolbox.reporting import ReportingPilot
 
 #: The weights that ship.
@@ -70,7 +70,7 @@ class ReportsPilot(ReportingPilot):
 
 
 @dataclass(frozen=True, kw_only=True)
-class DddqnReports(EstimateUser, ExploringWith):
+class DddqnReports(LevelEstimateUser, ExploringWith):
     """Explore as another policy does, and report to a home base when a dueling network values it.
 
     Once in a lidar range of flight the network compares flying home with exploring on, from 25 numbers about what is
@@ -112,12 +112,12 @@ class DddqnReports(EstimateUser, ExploringWith):
 
     def provenance(self) -> dict[str, str]:
         """Return the hashes of the network's weights and of those of the estimates, and what the explorer declares."""
-        others = EstimateUser.provenance(self) | ExploringWith.provenance(self)
+        others = LevelEstimateUser.provenance(self) | ExploringWith.provenance(self)
         return others | {"reports_sha256": digest_of(self.path)}
 
     def seen_maps(self) -> dict[str, list[str]]:
         """Return the maps that the network, the estimates and the explorer were learned from."""
-        others = [EstimateUser.seen_maps(self), ExploringWith.seen_maps(self)]
+        others = [LevelEstimateUser.seen_maps(self), ExploringWith.seen_maps(self)]
         return joined([*others, recorded_maps(record_of(self.path))])
 
 

@@ -14,12 +14,12 @@ from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.sampling.rrt_frontier import RrtFrontier, RrtFrontierPilot
 from indoor_explorers.planners.sampling.viewpoints import Viewpoints
 from indoor_explorers.planners.toolbox.information.candidate_outlook import CandidateOutlook
-from indoor_explorers.planners.toolbox.pockets.outlook import EstimateUser
+from indoor_explorers.planners.toolbox.pockets.outlook import LevelEstimateUser
 
 
 @renamed()
 @dataclass(frozen=True, kw_only=True)
-class RrtPredictive(EstimateUser, RrtFrontier):
+class RrtPredictive(LevelEstimateUser, RrtFrontier):
     """Fly as ``rrt-frontier`` does, but weigh candidates by the probability of unknown free cells, and defer some.
 
     A network estimates from the map around each frontier cluster how much unknown free space is behind it
@@ -44,7 +44,7 @@ class RrtPredictivePilot(RrtFrontierPilot):
 
     def __init__(self, briefing: Briefing, policy: RrtPredictive) -> None:
         super().__init__(briefing, policy)
-        self._candidate_outlook = CandidateOutlook(briefing, policy.estimate_files.plain)
+        self._candidate_outlook = CandidateOutlook(briefing, policy.estimate_files)
 
     def judged(self, view: View, cells: NDArray[np.int32]) -> Viewpoints:
         """Return the viewpoints among (K,) flat cells: reachable, not banned or deferred, and with a gain."""

@@ -14,12 +14,12 @@ from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.swarm.pso import Pso, PsoPilot
 from indoor_explorers.planners.toolbox.information.candidate_outlook import CandidateOutlook
 from indoor_explorers.planners.toolbox.information.candidates import Cells
-from indoor_explorers.planners.toolbox.pockets.outlook import EstimateUser
+from indoor_explorers.planners.toolbox.pockets.outlook import LevelEstimateUser
 
 
 @renamed()
 @dataclass(frozen=True, kw_only=True)
-class PsoPredictive(EstimateUser, Pso):
+class PsoPredictive(LevelEstimateUser, Pso):
     """Fly as ``pso`` does, but weigh candidates by the probability of unknown free cells, and defer some.
 
     A network estimates from the map around each frontier cluster how much unknown free space is behind it
@@ -39,7 +39,7 @@ class PsoPredictivePilot(PsoPilot):
 
     def __init__(self, briefing: Briefing, policy: PsoPredictive) -> None:
         super().__init__(briefing, policy)
-        self._candidate_outlook = CandidateOutlook(briefing, policy.estimate_files.plain)
+        self._candidate_outlook = CandidateOutlook(briefing, policy.estimate_files)
 
     def chances(self, view: View, cells: Cells, field: Distances) -> NDArray[np.float64]:
         """Return the probability that each of (K,) flat cells leads to unknown free cells, 0 where it can wait."""

@@ -37,7 +37,7 @@ def test_planners_that_change_levels_explore_all_of_them(name):
 
 def test_estimates_over_levels_are_used_where_they_are_asked_for():
     """By default there are none; where there are, the control's true sizes come from all levels."""
-    names = ("frontier-predictive", "dddqn-places")
+    names = ("frontier-predictive", "dddqn-places", "pso-predictive", "rrt-predictive")
     flights = {
         name: [flown(name, 3, **each).state.step[0] for each in ({}, {"level_weights": "shipped"})] for name in names
     }

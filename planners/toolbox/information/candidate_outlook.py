@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Distances
 from indoor_explorers.env.grid.cells import FREE, UNREACHABLE
 from indoor_explorers.env.grid.compiled import kernel
+from indoor_explorers.env.grid.levels import offset
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters, nearest_cells
-from indoor_explorers.planners.toolbox.pockets.estimates import CHANGED, SHIPPED, PocketEstimator
+from indoor_explorers.planners.toolbox.pockets.estimates import CHANGED, DEFAULT_FILES, EstimateFiles
 from indoor_explorers.planners.toolbox.pockets.outlook import ClusterJudge, OutlookParameters
 
 
@@ -22,27 +21,26 @@ class CandidateOutlook:
     UAVs of a team that have the same map get the same numbers, so that each can compute the plan of all.
     """
 
-    def __init__(self, briefing: Briefing, weights: Path = SHIPPED) -> None:
-        self._range, self._levels = float(briefing.lidar_range), briefing.level_count
-        self._estimator = PocketEstimator(self._range, changed=CHANGED if briefing.team == 1 else 0, path=weights)
+    def __init__(self, briefing: Briefing, files: EstimateFiles = DEFAULT_FILES) -> None:
+        self._range, self._rise = float(briefing.lidar_range), briefing.rise
+        self._estimator = files.estimator(briefing, CHANGED if briefing.team == 1 else 0)
         self._judge = ClusterJudge(briefing, OutlookParameters())
 
     def chances(self, view: View, cells: NDArray[np.int32], field: Distances) -> NDArray[np.float64]:
         """Return the probability that each of (K,) flat cells leads to unknown free cells, (K,).
 
         It is 0 for candidates of deferred clusters, unless there are no others in reach. ``field`` (H, W) are the steps
-        from the UAV, or from the nearest one of a group. On maps of several levels, which the network does not know, it
-        is 1 for all.
+        from the UAV, or from the nearest one of a group. Without estimates it is 1 for all.
         """
-        if self._levels > 1:
+        if self._estimator is None or len(cells) == 0:
             return np.ones(len(cells))
-        clusters = frontier_clusters(view.belief, self._range)
-        if clusters.size == 0 or len(cells) == 0:
+        clusters = frontier_clusters(view.belief, self._range, self._rise)
+        if clusters.size == 0:
             return np.ones(len(cells))
         away = nearest_cells(field, clusters)[1]
         known = int(np.count_nonzero(view.belief == FREE))
         outlook = self._judge.outlook(self._estimator.estimate(view.belief, clusters), known, away)
-        owner = nearest_clusters(cells, *clusters, view.belief.shape[1])
+        owner = nearest_clusters(cells, *clusters, view.belief.shape[1], self._rise)
         wanted = ~outlook.deferred[owner]
         if not (wanted & (field.ravel()[cells] < UNREACHABLE)).any():
             wanted[:] = True
@@ -50,10 +48,10 @@ class CandidateOutlook:
 
 
 @kernel()
-def nearest_clusters(cells: np.ndarray, members: np.ndarray, ends: np.ndarray, width: int) -> np.ndarray:
+def nearest_clusters(cells: np.ndarray, members: np.ndarray, ends: np.ndarray, width: int, rise: int = 0) -> np.ndarray:
     """Return the number of the cluster nearest to each of (K,) flat cells in a straight line, (K,).
 
-    ``members`` and ``ends`` are the arrays of :class:`~.clusters.Clusters`.
+    ``members`` and ``ends`` are the arrays of :class:`~.clusters.Clusters`, ``rise`` is that of the map.
     """
     owner = np.empty(cells.shape[0], np.int64)
     for place in range(cells.shape[0]):
@@ -61,8 +59,8 @@ def nearest_clusters(cells: np.ndarray, members: np.ndarray, ends: np.ndarray, w
         least = np.inf
         for k in range(ends.shape[0] - 1):
             for cell in members[ends[k] : ends[k + 1]]:
-                down, right = cell // width - row, cell % width - col
-                away = down * down + right * right
+                up, down, right = offset(row, col, cell // width, cell % width, rise)
+                away = up * up + down * down + right * right
                 if away < least:
                     owner[place], least = k, away
     return owner

@@ -120,14 +120,18 @@ class EstimateFiles(NamedTuple):
             load_weights(levels, LEVELS)
         return cls(plain, levels)
 
-    def estimator(self, briefing: Briefing) -> PocketEstimator | None:
-        """Return the estimator for one UAV's map; None where there are to be no estimates."""
-        if briefing.rise == 0:
-            return PocketEstimator(briefing.lidar_range, path=self.plain)
-        if self.levels is None:
+    def estimator(self, briefing: Briefing, changed: int = CHANGED) -> PocketEstimator | None:
+        """Return the estimator for one UAV's map; None where there are to be no estimates.
+
+        ``changed`` are the cells that may have changed for an estimate to be kept, see :class:`PocketEstimator`.
+        """
+        path = self.plain if briefing.rise == 0 else self.levels
+        if path is None:
             return None
         elevation = briefing.scenario.lidar.elevation
-        return PocketEstimator(briefing.lidar_range, path=self.levels, rise=briefing.rise, elevation=elevation)
+        return PocketEstimator(
+            briefing.lidar_range, changed=changed, path=path, rise=briefing.rise, elevation=elevation
+        )
 
 
 #: Those of the parameters' defaults.

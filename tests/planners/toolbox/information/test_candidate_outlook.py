@@ -5,6 +5,7 @@ import pytest
 
 from indoor_explorers.env.grid.arrays import Distances
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
+from indoor_explorers.env.grid.levels import coordinates
 from indoor_explorers.env.policies.view import View
 from indoor_explorers.env.search.bfs import distance_field
 from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters
@@ -49,13 +50,16 @@ def test_without_clusters_all_places_are_alike() -> None:
     assert prospects.chances(known, np.array([11, 28], np.int32), field).tolist() == [1.0, 1.0]
 
 
-def test_nearest_clusters_are_those_of_a_slow_search() -> None:
-    belief = np.random.default_rng(3).choice([UNKNOWN, FREE, OCCUPIED], (30, 30), p=[0.3, 0.6, 0.1]).astype(np.uint8)
-    clusters = frontier_clusters(belief, 10.0)
+@pytest.mark.parametrize("rise", [0, 11])
+def test_nearest_clusters_are_those_of_a_slow_search(rise: int) -> None:
+    """On a plain map and in a volume of three levels."""
+    belief = np.random.default_rng(3).choice([UNKNOWN, FREE, OCCUPIED], (32, 30), p=[0.3, 0.6, 0.1]).astype(np.uint8)
+    belief[10::11] = OCCUPIED
+    clusters = frontier_clusters(belief, 10.0, rise)
     cells = np.flatnonzero(belief.ravel() == FREE).astype(np.int32)
-    rows, cols = np.divmod(clusters.cells, 30)
+    members = coordinates(clusters.cells, 30, rise)
     owner = np.searchsorted(clusters.ends, np.arange(len(clusters.cells)), side="right") - 1
-    found = nearest_clusters(cells, *clusters, 30)
-    for cell, number in zip(cells.tolist(), found.tolist(), strict=True):
-        away = (rows - cell // 30) ** 2 + (cols - cell % 30) ** 2
+    found = nearest_clusters(cells, *clusters, 30, rise)
+    for at, number in zip(coordinates(cells, 30, rise), found.tolist(), strict=True):
+        away = ((members - at) ** 2).sum(axis=1)
         assert away[owner == number].min() == away.min()
