@@ -143,7 +143,7 @@ class PsoPilot(CandidatePilot):
 
     def wants_replan(self, view: View) -> bool:
         """Tell whether linked UAVs have different plans, one of their goals has no gain left, or the plan is old."""
-        if self.navigator.known != self._planned_on and view.step - self._plan[0] >= self._period:
+        if self.navigator.stamp != self._planned_on and view.step - self._plan[0] >= self._period:
             return True
         if not any(mate.age == 0 for mate in view.mates):
             return False
@@ -156,7 +156,7 @@ class PsoPilot(CandidatePilot):
         """Return this UAV's goal in the joint plan, or its nearest frontier cell if it has none."""
         members = self.members(view)
         self._plan = (float(view.step), float(members[0].agent))
-        self._planned_on = self.navigator.known
+        self._planned_on = self.navigator.stamp
         goal = self.plan(view, members).get(self.briefing.agent)
         if goal is None or goal in self.visited or self.near_banned(view, self.paths.flat([goal])).any():
             goal = self.nearest_frontier(view)

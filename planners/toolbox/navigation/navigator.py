@@ -42,7 +42,7 @@ class Navigator:
         self.goal: Cell | None = None
         self.map_grew = False
         """Whether the map has changed since the last step: cells have become known, or are known better."""
-        self.known = -1
+        self.stamp = -1
         """The :func:`~.paths.map_stamp` of the map: an equal number means an unchanged map."""
         self.camera: CameraMoves | None = None
         """The choice among shortest paths by what a limited field of view shows on them, if any."""
@@ -85,8 +85,8 @@ class Navigator:
 
     def observe(self, view: View) -> None:
         """Update the state from this step's view."""
-        known = map_stamp(view)
-        self.map_grew, self.known = known != self.known, known
+        stamp = map_stamp(view)
+        self.map_grew, self.stamp = stamp != self.stamp, stamp
         self.recent = [*self.recent[-3:], view.cell]
         self._settled = self._settled or self.oscillates
         self._all_banned = self._all_banned and not self.map_grew
@@ -166,7 +166,7 @@ class Navigator:
         left = self.path
         if len(left) < 2:
             return view.cell
-        return left[1] if self.camera is None else self.camera.next_cell(view, left, self.known)
+        return left[1] if self.camera is None else self.camera.next_cell(view, left, self.stamp)
 
     def next_action(self, view: View) -> int:
         """Return the next move along the path, or along a retreat from a teammate in the way."""
