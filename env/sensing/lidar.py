@@ -89,12 +89,24 @@ def visible_cells(occupancy: np.ndarray, row: int, col: int, lidar: LidarModel, 
     ``occupancy`` is (H, W) uint8, C-contiguous. The own cell comes first. An obstacle may be listed twice, and so
     may any cell in the model ``marsexplorer``.
     """
+    return visible_but_known(occupancy, occupancy[:0], row, col, lidar, scan)
+
+
+@leaf()
+def visible_but_known(
+    occupancy: np.ndarray, known: np.ndarray, row: int, col: int, lidar: LidarModel, scan: Scan
+) -> int:
+    """List the cells seen from (row, col) as :func:`visible_cells` does, for callers that pass over known cells.
+
+    Those that are not 0 in ``known`` (H, W) uint8, C-contiguous, are left out over several levels, where this is
+    quicker; on plain maps they are listed.
+    """
     height, width = occupancy.shape
     cells, widths, arcs, out = occupancy.reshape(height * width), lidar.half_widths, scan.arcs, scan.cells
     origin = row * width + col
     out[0] = origin
     if lidar.volume.levels > 0:
-        return scan_volume(occupancy, row, col, lidar.volume, out)
+        return scan_volume(occupancy, known, row, col, lidar.volume, out)
     if lidar.rays.shape[0] > 0:
         return trace(occupancy, row, col, lidar.range, lidar.rays, out)
     seen = scan_quadrant(
@@ -114,7 +126,7 @@ def unknown_in_view(belief: np.ndarray, row: int, col: int, lidar: LidarModel, s
     """Count the unknown cells that a scan at (row, col) could reveal, unknown taken as transparent."""
     cells = belief.reshape(belief.size)
     gain = 0
-    for k in range(1, visible_cells(belief, row, col, lidar, scan)):  # the own cell reveals nothing
+    for k in range(1, visible_but_known(belief, belief, row, col, lidar, scan)):  # the own cell reveals nothing
         gain += cells[scan.cells[k]] == UNKNOWN
     return gain
 

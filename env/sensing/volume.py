@@ -6,9 +6,9 @@ the midpoint of one of its faces, one that faces a cell that is no obstacle, cro
 through an edge or a corner of cells, it crosses none if moves along one axis after the other lead past there through
 cells that are no obstacles: touching one does not block, passing between two that touch does.
 
-The segments to all cells in range are a tree of cells, since many begin alike. A scan walks the tree and leaves out
-what is behind an obstacle, so it costs about as much as what is seen. Obstacles are few; the segments to their faces
-are walked one by one (:mod:`indoor_explorers.env.sensing.volume_tables`).
+The segments are walked one by one, cell by cell as tables of the lidar say
+(:mod:`indoor_explorers.env.sensing.volume_tables`), up to the first obstacle. A UAV that explores has seen most of the
+cells around it before; these are left out, so a scan costs about as much as what it adds.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ import numpy as np
 from indoor_explorers.env.grid.cells import OCCUPIED
 from indoor_explorers.env.grid.compiled import inner, leaf
 from indoor_explorers.env.grid.levels import on_level, rise_of
-from indoor_explorers.env.sensing.volume_tables import AXES, BEHIND, COL, ENDS, LEVEL, ROW, STEP, STEPS, VolumeTables
+from indoor_explorers.env.sensing.volume_tables import AXES, CENTRE, STEPS, VolumeTables
 
 
 @leaf(entry=False)
@@ -41,36 +41,9 @@ def _slips_by(cells: np.ndarray, cell: int, step: int, strides: tuple[int, int])
     )
 
 
-@leaf(entry=False)
-def _add_free(
-    cells: np.ndarray, size: tuple[int, int, int], at: tuple[int, int, int], tree: np.ndarray, out: np.ndarray
-) -> int:
-    """Fill ``out`` with the flat cells that are no obstacles and seen from the voxel ``at``; return how many."""
-    strides = (size[1] + 1) * size[2], size[2]
-    origin = at[0] * strides[0] + at[1] * strides[1] + at[2]
-    out[0] = origin
-    seen, place = 1, 0
-    while place < tree.shape[0]:
-        level, row, col = tree[place, LEVEL], tree[place, ROW], tree[place, COL]
-        cell, step = origin + level * strides[0] + row * strides[1] + col, tree[place, STEP]
-        if (
-            0 <= at[0] + level < size[0]
-            and 0 <= at[1] + row < size[1]
-            and 0 <= at[2] + col < size[2]
-            and cells[cell] != OCCUPIED
-            and (AXES[step] == 1 or _slips_by(cells, cell, step, strides))
-        ):
-            out[seen] = cell
-            seen += tree[place, ENDS]
-            place += 1
-        else:
-            place = tree[place, BEHIND]
-    return seen
-
-
 @inner()
-def _shows(cells: np.ndarray, origin: int, strides: tuple[int, int], number: int, tables: VolumeTables) -> bool:
-    """Tell whether the segment to a face, by its number in ``begins``, crosses no obstacle."""
+def _crosses_none(cells: np.ndarray, origin: int, strides: tuple[int, int], number: int, tables: VolumeTables) -> bool:
+    """Tell whether a segment, by its number in ``begins``, crosses no obstacle."""
     cell = origin
     for place in range(tables.begins[number], tables.begins[number + 1]):
         step = tables.steps[place]
@@ -80,43 +53,62 @@ def _shows(cells: np.ndarray, origin: int, strides: tuple[int, int], number: int
     return True
 
 
-@leaf(entry=False)
-def _add_obstacles(
+@inner()
+def _is_seen(
     cells: np.ndarray,
-    size: tuple[int, int, int],
-    at: tuple[int, int, int],
+    origin: int,
+    cell: int,
+    towards: tuple[int, int, int],
+    strides: tuple[int, int],
+    number: int,
     tables: VolumeTables,
-    out: np.ndarray,
-    seen: int,
+) -> bool:
+    """Tell whether a flat ``cell`` is seen, its segments in ``begins`` from ``number`` on.
+
+    ``towards`` are the differences to the cells behind its faces that face the sensor, 0 for faces that do not.
+    """
+    if cells[cell] != OCCUPIED:
+        return _crosses_none(cells, origin, strides, number + CENTRE, tables)
+    return bool(
+        (cells[cell - towards[0]] != OCCUPIED and _crosses_none(cells, origin, strides, number, tables))
+        or (cells[cell - towards[1]] != OCCUPIED and _crosses_none(cells, origin, strides, number + 1, tables))
+        or (cells[cell - towards[2]] != OCCUPIED and _crosses_none(cells, origin, strides, number + 2, tables))
+    )
+
+
+@leaf(entry=False)
+def scan_volume(
+    occupancy: np.ndarray, known: np.ndarray, row: int, col: int, tables: VolumeTables, out: np.ndarray
 ) -> int:
-    """Append the flat obstacles that are seen from the voxel ``at`` to ``out``; return the new number of entries."""
-    strides = (size[1] + 1) * size[2], size[2]
-    origin = at[0] * strides[0] + at[1] * strides[1] + at[2]
+    """Fill ``out`` with the flat indices of the cells seen from (row, col) of a plane; return how many.
+
+    In ``occupancy`` (H, W) uint8, the plane of a volume, only ``OCCUPIED`` blocks. Cells that are not 0 in ``known``
+    (H, W) uint8 are left out, except for the own one; an array of no cells leaves out none. The own cell comes first,
+    and each once.
+    """
+    cells, marks, rise = (
+        occupancy.reshape(occupancy.size),
+        known.reshape(known.size),
+        rise_of(len(occupancy), tables.levels),
+    )
+    width, strides, (level, on_row) = (
+        occupancy.shape[1],
+        (rise * occupancy.shape[1], occupancy.shape[1]),
+        on_level(row, rise),
+    )
+    origin, seen = row * width + col, 1
+    out[0] = origin
     for k in range(tables.spans.shape[0]):
-        level, row, begin, end, number = tables.spans[k]
-        if not (0 <= at[0] + level < size[0] and 0 <= at[1] + row < size[1]):
+        up, down, begin, end, number = tables.spans[k]
+        if not (0 <= level + up < tables.levels and 0 <= on_row + down < rise - 1):
             continue
-        base = origin + level * strides[0] + row * strides[1]
-        up, down = np.sign(level) * strides[0], np.sign(row) * strides[1]
-        for col in range(max(begin, -at[2]), min(end, size[2] - at[2])):
-            cell, face = base + col, 3 * (number + col - begin)
-            if cells[cell] == OCCUPIED and (
-                (cells[cell - up] != OCCUPIED and _shows(cells, origin, strides, face, tables))
-                or (cells[cell - down] != OCCUPIED and _shows(cells, origin, strides, face + 1, tables))
-                or (cells[cell - np.sign(col)] != OCCUPIED and _shows(cells, origin, strides, face + 2, tables))
-            ):
+        base = origin + up * strides[0] + down * strides[1]
+        for across in range(max(begin, -col), min(end, width - col)):
+            cell = base + across
+            if marks.size > 0 and marks[cell] != 0:
+                continue
+            towards = np.sign(up) * strides[0], np.sign(down) * strides[1], np.sign(across)
+            if _is_seen(cells, origin, cell, towards, strides, 4 * (number + across - begin), tables):
                 out[seen] = cell
                 seen += 1
     return seen
-
-
-@leaf(entry=False)
-def scan_volume(occupancy: np.ndarray, row: int, col: int, tables: VolumeTables, out: np.ndarray) -> int:
-    """Fill ``out`` with the flat indices of the cells seen from (row, col) of a plane; return how many.
-
-    In ``occupancy`` (H, W) uint8, the plane of a volume, only ``OCCUPIED`` blocks. The own cell comes first, then those
-    that are no obstacles, and each once.
-    """
-    cells, rise = occupancy.reshape(occupancy.size), rise_of(occupancy.shape[0], tables.levels)
-    size, at = (tables.levels, rise - 1, occupancy.shape[1]), (*on_level(row, rise), col)
-    return _add_obstacles(cells, size, at, tables, out, _add_free(cells, size, at, tables.tree, out))

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.compiled import inner, kernel
 
-#: Columns of a tree.
-LEVEL, ROW, COL, STEP, ENDS, BEHIND = range(6)
-#: The most cells around a lidar, whose tables take some 100 MB.
+#: The number of a cell's centre, after those of its three faces.
+CENTRE = 3
+#: The most cells around a lidar, whose tables take some 250 MB.
 MOST_AROUND = 1_000_000
 #: (27, 3) the steps of a segment from cell to cell, each -1, 0 or 1 levels, rows and columns, and along how many axes.
 STEPS = np.stack(np.meshgrid(*3 * [np.arange(-1, 2)], indexing="ij"), axis=-1).reshape(27, 3)
@@ -28,18 +28,15 @@ class VolumeTables(NamedTuple):
 
     levels: int
     """L, the levels of the map; 0 for a lidar that sees only its own level."""
-    tree: NDArray[np.int32]
-    """(K, 6) the cells that segments to the centres of cells lead through: their offset in levels, rows and columns,
-    the step (of :data:`STEPS`) that leads there, whether a segment ends there, and the place in the tree after all
-    cells that are only reached through it."""
     spans: NDArray[np.int32]
     """(S, 5) the M cells in range as runs along the columns: levels, rows, first column, column after the last one, and
     the number of the first one."""
     begins: NDArray[np.int32]
-    """(3 M + 1,) where the steps begin that lead to each face of each cell in range: first those towards the sensor
-    along the levels, then along the rows, then along the columns. Cells without such a face have no steps."""
+    """(4 M + 1,) where the steps begin that lead to each cell in range: first those to its face towards the sensor
+    along the levels, then along the rows, then along the columns, then to its centre. Faces that there are not have
+    no steps."""
     steps: NDArray[np.int8]
-    """The steps to the faces, of :data:`STEPS`."""
+    """The steps, of :data:`STEPS`."""
 
 
 @inner()
@@ -66,7 +63,7 @@ def _next_step(
 def _steps_to(offset: np.ndarray, face: int, out: np.ndarray) -> int:
     """Fill ``out`` with the steps of the segment to a cell's centre, or to its ``face`` 0 to 2; return how many.
 
-    ``offset`` is (3,); ``face`` is the axis towards whose border the segment leads, 3 for the centre.
+    ``offset`` is (3,); ``face`` is the axis towards whose border the segment leads, or :data:`CENTRE`.
     """
     size, sign = np.abs(offset), np.sign(offset)
     to = 2 * size[0] - (face == 0), 2 * size[1] - (face == 1), 2 * size[2] - (face == 2)
@@ -80,78 +77,18 @@ def _steps_to(offset: np.ndarray, face: int, out: np.ndarray) -> int:
     return count
 
 
-@kernel(entry=False)
-def _grown(table: np.ndarray) -> np.ndarray:
-    """Return a copy of a table (K, M) with twice as many rows, the new ones -1."""
-    larger = np.full((2 * table.shape[0], table.shape[1]), -1, table.dtype)
-    larger[: table.shape[0]] = table
-    return larger
-
-
-@kernel(entry=False)
-def _in_order(children: np.ndarray, ends: np.ndarray, count: int) -> np.ndarray:
-    """Return the tree (count - 1, 6): each node before those behind it, the root left out.
-
-    ``children`` (K, 27) are the nodes after each one by step, -1 for none; ``ends`` (K,) where segments end.
-    """
-    tree = np.zeros((count, 6), np.int32)
-    parents, waiting, place = [0], [np.int64(0)], 0
-    for number in range(26, -1, -1):
-        if children[0, number] >= 0:
-            waiting.append(np.int64(27 * children[0, number] + number))
-            parents.append(0)
-    while len(waiting) > 1:
-        node, parent = waiting.pop(), parents.pop()
-        if node < 0:  # all that is behind the node in this place is in the tree
-            tree[-node, BEHIND] = place
-            continue
-        place += 1
-        node, step = divmod(node, 27)
-        tree[place, :3] = tree[parent, :3] + STEPS[step]
-        tree[place, STEP], tree[place, ENDS] = step, ends[node]
-        waiting.append(np.int64(-place))
-        parents.append(parent)
-        for number in range(26, -1, -1):
-            if children[node, number] >= 0:
-                waiting.append(np.int64(27 * children[node, number] + number))
-                parents.append(place)
-    return tree[1:].copy()
-
-
 @kernel()
-def _grow_tree(offsets: np.ndarray) -> np.ndarray:
-    """Return the tree of the segments to (M, 3) offsets."""
-    children, steps, count = np.full((1024, 27), -1, np.int32), np.empty(3 * np.max(np.abs(offsets)) + 1, np.int8), 1
-    for k in range(offsets.shape[0]):
-        while count + steps.shape[0] > children.shape[0]:
-            children = _grown(children)
-        node = 0
-        for place in range(_steps_to(offsets[k], 3, steps)):
-            if children[node, steps[place]] < 0:
-                children[node, steps[place]] = count
-                count += 1
-            node = children[node, steps[place]]
-    ends = np.zeros(count, np.int32)
-    for k in range(offsets.shape[0]):
-        node = 0
-        for place in range(_steps_to(offsets[k], 3, steps)):
-            node = children[node, steps[place]]
-        ends[node] = 1
-    return _in_order(children, ends, count)
-
-
-@kernel()
-def _list_faces(offsets: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _list_steps(offsets: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return ``begins`` and ``steps`` of :class:`VolumeTables` for (M, 3) offsets."""
-    begins, longest = np.zeros(3 * offsets.shape[0] + 1, np.int32), 3 * np.max(np.abs(offsets)) + 1
+    begins, longest = np.zeros(4 * offsets.shape[0] + 1, np.int32), 3 * np.max(np.abs(offsets)) + 1
     steps, count = np.empty(64 * longest, np.int8), 0
     for k in range(offsets.shape[0]):
-        for face in range(3):
+        for face in range(4):
             if count + longest > steps.shape[0]:
                 steps = np.concatenate((steps, np.empty_like(steps)))
-            if offsets[k, face] != 0:
+            if face == CENTRE or offsets[k, face] != 0:
                 count += _steps_to(offsets[k], face, steps[count:])
-            begins[3 * k + face + 1] = count
+            begins[4 * k + face + 1] = count
     return begins, steps[:count].copy()
 
 
@@ -183,11 +120,10 @@ def offsets_in_range(reach: float, levels: int, elevation: float) -> NDArray[np.
 def volume_tables(reach: float, levels: int, elevation: float) -> VolumeTables:
     """Return the tables of a lidar over ``levels`` levels; its range and elevation as in :func:`offsets_in_range`."""
     if levels < 2:
-        none = np.empty((0, 6), np.int32)
-        return VolumeTables(0, none, none[:, :5].copy(), none[:, 0].copy(), np.empty(0, np.int8))
+        return VolumeTables(0, np.empty((0, 5), np.int32), np.empty(0, np.int32), np.empty(0, np.int8))
     offsets = offsets_in_range(reach, levels, elevation)
-    begins, steps = _list_faces(offsets)
+    begins, steps = _list_steps(offsets)
     first = np.flatnonzero(np.r_[True, (np.diff(offsets, axis=0) != (0, 0, 1)).any(axis=1)])
     after = np.r_[first[1:], len(offsets)]
     spans = np.column_stack((offsets[first], offsets[after - 1, 2] + 1, first)).astype(np.int32)
-    return VolumeTables(levels, np.asarray(_grow_tree(offsets)), spans, np.asarray(begins), np.asarray(steps))
+    return VolumeTables(levels, spans, np.asarray(begins), np.asarray(steps))
