@@ -86,16 +86,9 @@ def scan_volume(
     (H, W) uint8 are left out, except for the own one; an array of no cells leaves out none. The own cell comes first,
     and each once.
     """
-    cells, marks, rise = (
-        occupancy.reshape(occupancy.size),
-        known.reshape(known.size),
-        rise_of(len(occupancy), tables.levels),
-    )
-    width, strides, (level, on_row) = (
-        occupancy.shape[1],
-        (rise * occupancy.shape[1], occupancy.shape[1]),
-        on_level(row, rise),
-    )
+    cells, marks = occupancy.reshape(occupancy.size), known.reshape(known.size)
+    width, rise = occupancy.shape[1], rise_of(occupancy.shape[0], tables.levels)
+    strides, (level, on_row) = (rise * width, width), on_level(row, rise)
     origin, seen = row * width + col, 1
     out[0] = origin
     for k in range(tables.spans.shape[0]):
