@@ -14,7 +14,6 @@ pytest.importorskip("cyclonedds")
 
 from indoor_explorers.evaluation.cli.parser import main
 from indoor_explorers.evaluation.robot.messages import DEFINITIONS, new, type_of
-from tests.marks import slow
 
 LOOPBACK = (
     "<CycloneDDS><Domain><General><Interfaces><NetworkInterface name='lo' multicast='false'/></Interfaces>"
@@ -84,7 +83,8 @@ def start():
         each.child.stdout.close()
 
 
-@pytest.mark.parametrize("goals", [*slow("topic"), "action"])
+@pytest.mark.slow
+@pytest.mark.parametrize("goals", ["topic", "action"])
 def test_a_building_is_explored_until_it_is_done(goals, start):
     robot = start(f"{BUILDING} --speed 5")
     explorer = start(f"{EXPLORER} --goals {goals}")

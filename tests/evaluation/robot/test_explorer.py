@@ -13,6 +13,7 @@ from indoor_explorers.evaluation.robot.explorer import Explorer, State
 from indoor_explorers.evaluation.robot.occupancy import Area
 from indoor_explorers.evaluation.robot.settings import RobotSettings
 from tests.evaluation.robot.room import Room, building, grid_of
+from tests.marks import slow
 
 ROOMS = building(
     """
@@ -46,7 +47,7 @@ def test_a_building_is_explored_and_then_it_is_done(policy):
     assert len(room.goals) < 80
 
 
-@pytest.mark.parametrize("policy", ["pso-robots", "tours", "dddqn"])
+@pytest.mark.parametrize("policy", ["pso-robots", *slow("tours"), "dddqn"])
 def test_goals_are_some_cells_ahead_for_pilots_that_tell_moves_alone(policy):
     room, explorer = Room(ROOMS, START), explorer_of(policy)
     room.tell(explorer, 0.0)
