@@ -89,11 +89,11 @@ def visible_cells(occupancy: np.ndarray, row: int, col: int, lidar: LidarModel, 
     ``occupancy`` is (H, W) uint8, C-contiguous. The own cell comes first. An obstacle may be listed twice, and so
     may any cell in the model ``marsexplorer``.
     """
-    return visible_but_known(occupancy, occupancy[:0], row, col, lidar, scan)
+    return newly_visible_cells(occupancy, occupancy[:0], row, col, lidar, scan)
 
 
 @leaf()
-def visible_but_known(
+def newly_visible_cells(
     occupancy: np.ndarray, known: np.ndarray, row: int, col: int, lidar: LidarModel, scan: Scan
 ) -> int:
     """List the cells seen from (row, col) as :func:`visible_cells` does, for callers that pass over known cells.
@@ -126,7 +126,7 @@ def unknown_in_view(belief: np.ndarray, row: int, col: int, lidar: LidarModel, s
     """Count the unknown cells that a scan at (row, col) could reveal, unknown taken as transparent."""
     cells = belief.reshape(belief.size)
     gain = 0
-    for k in range(1, visible_but_known(belief, belief, row, col, lidar, scan)):  # the own cell reveals nothing
+    for k in range(1, newly_visible_cells(belief, belief, row, col, lidar, scan)):  # the own cell reveals nothing
         gain += cells[scan.cells[k]] == UNKNOWN
     return gain
 

@@ -9,7 +9,7 @@ from indoor_explorers.env.grid.compiled import inner, kernel, leaf
 from indoor_explorers.env.grid.levels import beside, degree, rise_of
 from indoor_explorers.env.grid.randomness import shuffled
 from indoor_explorers.env.scenarios.codes import RadioModel, StuckRule
-from indoor_explorers.env.sensing.lidar import LidarModel, Scan, visible_but_known
+from indoor_explorers.env.sensing.lidar import LidarModel, Scan, newly_visible_cells
 from indoor_explorers.env.simulation.contacts import contacts_of, forget_lost
 from indoor_explorers.env.simulation.engine import Engine, ExactParts, Work
 from indoor_explorers.env.simulation.home_base import report
@@ -29,7 +29,7 @@ def sense(state: State, lidar: LidarModel, b: int, agent: int, scan: Scan) -> No
     if state.visited[b, agent, row, col]:
         return
     sensed = state.sensed[b, agent].view(np.uint8)
-    see(state, b, agent, scan.cells, visible_but_known(state.truth[b], sensed, row, col, lidar, scan))
+    see(state, b, agent, scan.cells, newly_visible_cells(state.truth[b], sensed, row, col, lidar, scan))
 
 
 @inner()

@@ -17,8 +17,8 @@ from indoor_explorers.env.sensing.lidar import (
     Scan,
     model_of,
     new_scan,
+    newly_visible_cells,
     unknown_in_view,
-    visible_but_known,
 )
 from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters, nearest_cells
 from indoor_explorers.planners.toolbox.information.view_gain import AROUND, known_around
@@ -74,7 +74,7 @@ def _visible_unknown(
     lists, sizes = np.empty((cells.shape[0], lidar.disc + 1), np.int32), np.zeros(cells.shape[0], np.int64)
     value = np.zeros(belief.size)
     for k in range(cells.shape[0]):
-        for place in range(visible_but_known(belief, belief, cells[k] // width, cells[k] % width, lidar, scan)):
+        for place in range(newly_visible_cells(belief, belief, cells[k] // width, cells[k] % width, lidar, scan)):
             cell = scan.cells[place]
             if belief[cell // width, cell % width] == UNKNOWN:
                 if value[cell] == 0.0:

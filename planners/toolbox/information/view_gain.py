@@ -12,7 +12,7 @@ from indoor_explorers.env.grid.cells import UNKNOWN
 from indoor_explorers.env.grid.compiled import kernel, leaf
 from indoor_explorers.env.grid.levels import offset, on_level, rise_of
 from indoor_explorers.env.policies.renamed import renamed
-from indoor_explorers.env.sensing.lidar import LidarModel, Scan, model_of, new_scan, visible_but_known
+from indoor_explorers.env.sensing.lidar import LidarModel, Scan, model_of, new_scan, newly_visible_cells
 
 
 @kernel()
@@ -23,7 +23,7 @@ def _unclaimed(
     scan = new_scan(lidar)
     gains = np.zeros(cells.shape[0], np.int64)
     for k in range(cells.shape[0]):
-        for place in range(visible_but_known(belief, belief, cells[k] // width, cells[k] % width, lidar, scan)):
+        for place in range(newly_visible_cells(belief, belief, cells[k] // width, cells[k] % width, lidar, scan)):
             row, col = divmod(scan.cells[place], width)
             counts = belief[row, col] == UNKNOWN
             for m in range(claims.shape[0]):
@@ -54,7 +54,7 @@ def _visible_sets(belief: np.ndarray, cells: np.ndarray, lidar: LidarModel) -> n
     sizes = np.zeros(cells.shape[0], np.int64)
     total = 0
     for k in range(cells.shape[0]):
-        for place in range(visible_but_known(belief, belief, cells[k] // width, cells[k] % width, lidar, scan)):
+        for place in range(newly_visible_cells(belief, belief, cells[k] // width, cells[k] % width, lidar, scan)):
             cell = scan.cells[place]
             if belief[cell // width, cell % width] == UNKNOWN:
                 if number[cell] < 0:
@@ -112,7 +112,7 @@ def _weighted(
     middle, levels = depths.shape[1] // 2, depths.shape[0] // 2
     row, col = divmod(cell, width)
     gain = 0.0
-    for place in range(visible_but_known(belief, belief, row, col, lidar, scan)):
+    for place in range(newly_visible_cells(belief, belief, row, col, lidar, scan)):
         r, c = divmod(scan.cells[place], width)
         if belief[r, c] == UNKNOWN:
             up, down, right = offset(row, col, r, c, rise)

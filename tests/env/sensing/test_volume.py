@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.grid.levels import Levels, plane_of
-from indoor_explorers.env.sensing.lidar import lidar_model, new_scan, scan, visible_but_known, visible_cells
+from indoor_explorers.env.sensing.lidar import lidar_model, new_scan, newly_visible_cells, scan, visible_cells
 from tests.env.sensing.volume_reference import reference_volume_scan
 from tests.marks import slow
 
@@ -59,7 +59,7 @@ def test_known_cells_are_left_out_and_nothing_else(place, lidar_range, seed):
     known = np.random.default_rng(seed).integers(0, 3, plane.shape).astype(np.uint8)
     work = new_scan(lidar)
     seen = work.cells[: visible_cells(plane, *cell, lidar, work)].copy()
-    left = work.cells[: visible_but_known(plane, known, *cell, lidar, work)]
+    left = work.cells[: newly_visible_cells(plane, known, *cell, lidar, work)]
     assert left.tolist() == [seen[0], *(other for other in seen[1:].tolist() if known.flat[other] == 0)]
 
 
