@@ -24,7 +24,7 @@ from indoor_explorers.learners.places.policy import PlacesPilot
 from indoor_explorers.learners.places.scene import MOST, Scene
 from indoor_explorers.learners.places.truth import TrueMap, Truth, truth_of
 from indoor_explorers.learners.pockets.maps import TrainingMaps
-from indoor_explorers.learners.pockets.tasks import lidar_over_levels, team_settings
+from indoor_explorers.learners.pockets.tasks import harder_settings, lidar_over_levels, team_settings
 from indoor_explorers.planners.toolbox.networks.tensors import read_tensors, write_tensors
 from indoor_explorers.planners.toolbox.pockets.estimates import DEFAULT_FILES, EstimateFiles
 
@@ -88,6 +88,11 @@ FEWEST, LARGEST = 400, 4500
 #: Lidar ranges in cells and numbers of UAVs, each with their shares of the flights.
 RANGES, RANGE_SHARES = (10.0, 7.0, 14.0), (0.8, 0.1, 0.1)
 TEAMS, TEAM_SHARES = (1, 2, 4), (0.6, 0.2, 0.2)
+#: Shares of these teams in harder tasks.
+HARDER_TEAM_SHARES = (0.4, 0.25, 0.35)
+#: Time that a cell counts as which is missing when all UAVs have stopped, as a multiple of that of the free cells by
+#: the lidar's range. Flights to 99 % take some three times the latter, and the last cells of them longer.
+MISSING = 5.0
 #: Cost of a step before 90 % coverage, beyond that of every step, which is 1.
 EARLY = 0.5
 #: Coverage up to which a step costs more, and at which a flight ends.
@@ -152,24 +157,29 @@ class RecordingPilot(PlacesPilot):
         return chosen
 
 
-def _task(plan: Floorplan, rng: np.random.Generator) -> dict[str, Any]:
-    """Return the settings of a task on a map: a lidar, team and radio that are drawn."""
+def _task(plan: Floorplan, rng: np.random.Generator, harder: float) -> dict[str, Any]:
+    """Return the settings of a task on a map, drawn at random; in a share ``harder`` of them it is a harder one."""
     if plan.level_count == 1:
-        reach, team = float(rng.choice(RANGES, p=RANGE_SHARES)), int(rng.choice(TEAMS, p=TEAM_SHARES))
-        return {"lidar.range": reach, "budget": None, **team_settings(team, rng)}
+        is_harder = harder > 0.0 and rng.random() < harder
+        shares = HARDER_TEAM_SHARES if is_harder else TEAM_SHARES
+        reach, team = float(rng.choice(RANGES, p=RANGE_SHARES)), int(rng.choice(TEAMS, p=shares))
+        more = harder_settings(team, rng) if is_harder else {}
+        return {"lidar.range": reach, "budget": None, **team_settings(team, rng), **more}
     return {"budget": None, **lidar_over_levels(plan, rng), **team_settings(int(rng.choice(TEAMS)), rng)}
 
 
-def fly(maps: TrainingMaps, seed: int, loaded: Loaded, files: EstimateFiles = DEFAULT_FILES) -> TrainingFlight:
+def fly(
+    maps: TrainingMaps, seed: int, loaded: Loaded, files: EstimateFiles = DEFAULT_FILES, harder: float = 0.0
+) -> TrainingFlight:
     """Return a flight of a network over a map drawn by a seed, with a lidar, team and radio drawn likewise.
 
-    ``files`` has the weights of the estimates that the network sees.
+    ``files`` has the weights of the estimates that the network sees; ``harder`` is the share of harder tasks.
     """
     rng = np.random.default_rng([seed, 11])
     plan = maps.draw(rng)
     while not FEWEST <= np.count_nonzero(plan.truth == FREE) <= LARGEST:
         plan = maps.draw(rng)
-    asked = _task(plan, rng)
+    asked = _task(plan, rng, harder)
     reach, team = asked["lidar.range"], asked["team"]
     world = World(on_files(("map",), None).with_settings(asked).for_evaluation())
     world.begin(0, seed, floorplan=plan)
@@ -182,9 +192,11 @@ def fly(maps: TrainingMaps, seed: int, loaded: Loaded, files: EstimateFiles = DE
         coverage.append(world.team_coverage[0])
         if coverage[-1] >= ENOUGH:
             break
-    end = len(coverage) - 1
-    t90 = int(np.argmax(np.array(coverage) >= MOSTLY)) if coverage[-1] >= MOSTLY else end
+    end, most = len(coverage) - 1, max(coverage)
     nominal = np.count_nonzero(reachable) / reach
+    if most < ENOUGH and not world.flying.any() and end < world.view(0, 0).budget:
+        end += math.ceil(MISSING * (ENOUGH - most) * nominal)
+    t90 = int(np.argmax(np.array(coverage) >= MOSTLY)) if most >= MOSTLY else end
     flown = [as_arrays(each, reach, t90, end) for each in recording.choices.values() if len(each) > 1]
     return TrainingFlight(flown, (t90 / nominal, end / nominal) if team == 1 else (math.nan, math.nan))
 

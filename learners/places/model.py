@@ -11,7 +11,7 @@ from torch import Tensor, nn
 
 from indoor_explorers.learners.places.flights import ChoiceArrays
 from indoor_explorers.learners.places.network import WIDTH, NetworkWeights
-from indoor_explorers.learners.places.scene import COMMON, PLACE
+from indoor_explorers.learners.places.scene import input_sizes
 from indoor_explorers.learners.places.truth import TRUE_COMMON, TRUE_PLACE
 
 #: Width of the value networks' layers.
@@ -24,9 +24,9 @@ class Batch(NamedTuple):
     """B choices."""
 
     places: Tensor
-    """(B, K, PLACE)."""
+    """(B, K, place)."""
     common: Tensor
-    """(B, COMMON)."""
+    """(B, common)."""
     there: Tensor
     """(B, K) bool, whether there is such a place."""
     costs: Tensor
@@ -65,12 +65,12 @@ class _Set(nn.Module):
 class AdvantageNet(nn.Module):
     """The dueling network without its state value: values of places relative to each other. This part flies.
 
-    Every hidden layer has ``width`` units.
+    Every hidden layer has ``width`` units; ``task`` tells whether it sees the task's inputs.
     """
 
-    def __init__(self, width: int = WIDTH) -> None:
+    def __init__(self, width: int = WIDTH, task: bool = False) -> None:
         super().__init__()
-        self.set = _Set(PLACE, COMMON, width)
+        self.set = _Set(*input_sizes(task), width)
         self.joined, self.out = nn.Linear(3 * width, width), nn.Linear(width, 1)
         nn.init.normal_(self.out.weight, std=1e-3)
         nn.init.zeros_(self.out.bias)
@@ -86,9 +86,10 @@ class AdvantageNet(nn.Module):
 class ValueNet(nn.Module):
     """Predicts the return of the rest of a flight from the places and the true map."""
 
-    def __init__(self) -> None:
+    def __init__(self, task: bool = False) -> None:
         super().__init__()
-        self.set = _Set(PLACE + TRUE_PLACE + 1, COMMON + TRUE_COMMON, VALUE_HIDDEN)
+        place, common = input_sizes(task)
+        self.set = _Set(place + TRUE_PLACE + 1, common + TRUE_COMMON, VALUE_HIDDEN)
         self.hidden, self.out = nn.Linear(2 * VALUE_HIDDEN, VALUE_HIDDEN), nn.Linear(VALUE_HIDDEN, 1)
 
     def forward(self, batch: Batch) -> Tensor:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.compiled import kernel
-from indoor_explorers.learners.places.scene import COMMON, PLACE, Scene
+from indoor_explorers.learners.places.scene import Scene, input_sizes
 from indoor_explorers.planners.toolbox.networks.layers import linear, relu
 from indoor_explorers.planners.toolbox.networks.weights_file import read_once, read_weights_file, write_weights_file
 
@@ -47,11 +47,17 @@ class Loaded(NamedTuple):
     """Whether the network sees the other places beside each place."""
     lookouts: int = 0
     """Most places near the UAV that need not be at a frontier."""
+    task: bool = False
+    """Whether the network sees what is harder about the task, see :mod:`.task_inputs`."""
 
 
-def shapes(width: int = WIDTH) -> dict[str, tuple[int, ...]]:
-    """Return the shapes of the weights by name, for hidden layers of ``width`` units."""
-    sizes = {"first": (PLACE + COMMON, width), "second": (width, width), "joined": (3 * width, width)}
+#: Fields of :class:`Loaded` that a file has only where they are set, as files of older versions have none of them.
+_ONLY_IF_SET = ("lookouts", "task")
+
+
+def shapes(width: int = WIDTH, task: bool = False) -> dict[str, tuple[int, ...]]:
+    """Return the shapes of the weights by name, for hidden layers of ``width`` units, with or without task inputs."""
+    sizes = {"first": (sum(input_sizes(task)), width), "second": (width, width), "joined": (3 * width, width)}
     sizes["out"] = (width, 1)
     biases = {f"{name}_bias": (shape[1],) for name, shape in sizes.items()}
     return {name: (sizes | biases)[name] for name in NetworkWeights._fields}
@@ -94,11 +100,10 @@ def without_network(loaded: Loaded) -> Loaded:
 
 
 def write_weights(path: Path, loaded: Loaded) -> None:
-    """Write weights with the settings that flying them needs; without lookouts, as before there were any."""
+    """Write weights with the settings that flying them needs."""
     about = loaded._asdict()
     weights = about.pop("weights")
-    if not loaded.lookouts:
-        del about["lookouts"]
+    about = {name: value for name, value in about.items() if value or name not in _ONLY_IF_SET}
     write_weights_file(path, weights._asdict(), about)
 
 
@@ -115,7 +120,8 @@ def load_weights(path: Path) -> Loaded:
             bool(about["guess"]),
             bool(about["others"]),
             int(about.get("lookouts", 0)),
+            bool(about.get("task", False)),
         )
     )
     width = file.arrays["second_bias"].size if "second_bias" in file.arrays else WIDTH
-    return Loaded(NetworkWeights(**file.checked(shapes(width))), *settings)
+    return Loaded(NetworkWeights(**file.checked(shapes(width, settings[-1]))), *settings)

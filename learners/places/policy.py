@@ -42,7 +42,9 @@ class PlacesPilot(LookoutPilot):
     ) -> None:
         super().__init__(briefing)
         self._loaded = loaded
-        self._observer = Observer(self, guess=loaded.guess, lookouts=loaded.lookouts, sector=sector, files=files)
+        self._observer = Observer(
+            self, guess=loaded.guess, lookouts=loaded.lookouts, task=loaded.task, sector=sector, files=files
+        )
         self.lookouts = self._observer.lookouts
         self.replan_period = self.steps_in(KEEP)
 

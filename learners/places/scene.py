@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import Mask
 from indoor_explorers.env.grid.cells import FREE, UNREACHABLE
 from indoor_explorers.env.policies.view import Mate, View
+from indoor_explorers.learners.places.task_inputs import TASK_COMMON, TASK_PLACE, TaskInputs
 from indoor_explorers.planners.toolbox.coordination.out_of_contact import OutOfContact
 from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters
 from indoor_explorers.planners.toolbox.information.cluster_places import (
@@ -63,9 +64,9 @@ class Scene(NamedTuple):
     cells: NDArray[np.int32]
     """(K,) flat cells."""
     places: NDArray[np.float32]
-    """(K, PLACE) numbers about each place."""
+    """(K, PLACE) numbers about each place; with the task's inputs ``TASK_PLACE`` more."""
     common: NDArray[np.float32]
-    """(COMMON,) numbers about all of them."""
+    """(COMMON,) numbers about all of them; with the task's inputs ``TASK_COMMON`` more."""
     costs: NDArray[np.float32]
     """(K,) cost of the best order that begins there above the cheapest order, to ``frontier-predictive``."""
     owner: NDArray[np.int64]
@@ -74,6 +75,11 @@ class Scene(NamedTuple):
     """(K,) distances from the UAV in lidar ranges."""
     between: Numbers
     """(K, K) distances between the places in lidar ranges."""
+
+
+def input_sizes(task: bool) -> tuple[int, int]:
+    """Return how many numbers a network sees about a place and about all of them, with or without the task's inputs."""
+    return (PLACE + TASK_PLACE, COMMON + TASK_COMMON) if task else (PLACE, COMMON)
 
 
 class _Candidates(NamedTuple):
@@ -113,6 +119,7 @@ class Observer:
         pilot: The pilot that flies to the places.
         guess: Whether to use the estimates of the free space behind the clusters.
         lookouts: Most places near the UAV that need not be at a frontier.
+        task: Whether to observe what is harder about the task, see :class:`TaskInputs`.
         sector: Preference for the own sector while teammates were never heard; see :class:`OutOfContact`.
         files: Files of the estimates' weights.
 
@@ -124,6 +131,7 @@ class Observer:
         *,
         guess: bool = True,
         lookouts: int = 0,
+        task: bool = False,
         sector: float = 0.0,
         files: EstimateFiles = DEFAULT_FILES,
     ) -> None:
@@ -133,6 +141,7 @@ class Observer:
         self.lookouts = Lookouts(pilot, self._found, TRAINED_ON.discount_rate, lookouts)
         self._estimator = files.estimator(pilot.briefing) if guess else None
         self._judge = ClusterJudge(pilot.briefing, TRAINED_OUTLOOK)
+        self._task = TaskInputs(pilot) if task else None
         self._out_of_contact = OutOfContact(pilot.briefing, sector=sector) if sector else None
 
     def observe(self, view: View) -> Scene | None:
@@ -189,9 +198,12 @@ class Observer:
             *self._of_teammates(found, fields),
         ]
         common = self._common(about, count, len(mates), least)
+        if self._task is not None:
+            columns += self._task.of_places(view, found.cells, found.steps, mates)
+            common += self._task.common(view, mates)
         costs = np.minimum(costs - costs.min(), COSTLIEST).astype(np.float32)
         places = np.column_stack(columns).astype(np.float32)
-        return Scene(found.cells, places, common, costs, found.owner, found.steps, between)
+        return Scene(found.cells, places, np.array(common, np.float32), costs, found.owner, found.steps, between)
 
     def _own(self, found: _Candidates, clusters: Clusters) -> list[Numbers | Mask]:
         widths = (clusters.ends[1:] - clusters.ends[:-1])[found.owner] / self._range
@@ -221,9 +233,9 @@ class Observer:
             theirs = np.minimum(np.min([each[found.cells] for each in fields], axis=0) / self._range, 10.0) / 5.0
         return [found.factors, theirs, theirs - own]
 
-    def _common(self, about: _Clusters, count: int, mates: int, least: float) -> NDArray[np.float32]:
+    def _common(self, about: _Clusters, count: int, mates: int, least: float) -> list[float]:
         waiting = float(about.estimates.sizes[about.outlook.deferred].sum())
-        numbers = [
+        return [
             np.log1p(about.known) / 8.0,
             np.log1p(about.expected) / 8.0,
             about.known / (about.known + about.expected),
@@ -235,7 +247,6 @@ class Observer:
             self._range / 10.0,
             min(least / 40.0, 3.0),
         ]
-        return np.array(numbers, np.float32)
 
 
 def _orders(

@@ -52,6 +52,10 @@ class TrainingConfig(RoundSettings):
     """Most places near the UAV that need not be at a frontier, see ``frontier-predictive``."""
     width: int = Field(WIDTH, ge=8, le=4096)
     """Units of each hidden layer."""
+    harder_tasks: float = Field(0.0, ge=0.0, le=1.0)
+    """Share of the flights over one level in harder tasks: narrow views, errors of sensors and poses, failures."""
+    task_inputs: bool = False
+    """Show the network what is harder about the task, and where teammates fly."""
     levels: float = Field(0.0, ge=0.0, le=1.0)
     """Share of the flights in generated buildings of several levels."""
     pocket_weights: str | None = None
@@ -74,9 +78,11 @@ class TrainingConfig(RoundSettings):
         return replace(super().maps(), levels=self.levels)
 
 
-def fly_seeds(maps: TrainingMaps, loaded: Loaded, files: EstimateFiles, path: Path, seeds: range) -> None:
+def fly_seeds(
+    maps: TrainingMaps, loaded: Loaded, files: EstimateFiles, harder: float, path: Path, seeds: range
+) -> None:
     """Fly a network, a flight for each seed, and write the choices to a file."""
-    write_choices(path, choices_of([fly(maps, seed, loaded, files) for seed in seeds]))
+    write_choices(path, choices_of([fly(maps, seed, loaded, files, harder) for seed in seeds]))
 
 
 class PlacesTraining(RoundsTraining[TrainingConfig, NetworkWeights]):
@@ -87,18 +93,21 @@ class PlacesTraining(RoundsTraining[TrainingConfig, NetworkWeights]):
     def untrained(self) -> NetworkWeights:
         """Return a network that leaves the values to the planner's costs."""
         torch.manual_seed(self.seed)
-        return weights_of(AdvantageNet(self.config.width))
+        return weights_of(self._network())
 
     def flying(self) -> Callable[[Path, range], None]:
         """Return the function that flies the latest network."""
-        return partial(fly_seeds, self.maps, self._loaded(self.networks[-1]), self.config.estimate_files)
+        config = self.config
+        return partial(
+            fly_seeds, self.maps, self._loaded(self.networks[-1]), config.estimate_files, config.harder_tasks
+        )
 
     def learned(self, paths: Sequence[Path]) -> tuple[NetworkWeights, dict[str, int | float]]:
         """Return the next network, and figures of the round."""
         torch.manual_seed(1000 * self.seed + self.rounds)
         choices = read_choices(paths)
-        values = learn_values(choices)
-        network = AdvantageNet(self.config.width)
+        values = learn_values(choices, self.config.task_inputs)
+        network = self._network()
         load_into(network, self.networks[-1])
         error = learn_choices(network, choices, advantages(choices, values, LATER))
         t90, t99 = np.nanmean(choices.times, axis=0).tolist()
@@ -117,7 +126,10 @@ class PlacesTraining(RoundsTraining[TrainingConfig, NetworkWeights]):
 
     def _loaded(self, weights: NetworkWeights) -> Loaded:
         config = self.config
-        return Loaded(weights, config.prior, config.guess, config.others, config.lookouts)
+        return Loaded(weights, config.prior, config.guess, config.others, config.lookouts, config.task_inputs)
+
+    def _network(self) -> AdvantageNet:
+        return AdvantageNet(self.config.width, self.config.task_inputs)
 
     def write(self, folder: Path) -> None:
         """Write the network that is flown."""
