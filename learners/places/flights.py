@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.grid.cells import FREE, UNREACHABLE
+from indoor_explorers.env.grid.cells import FREE, UNKNOWN, UNREACHABLE
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.policies.policy import Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
@@ -187,9 +187,9 @@ def fly(
     reachable = distance_field(plan.truth, world.view(0, 0).cell, levels.rise) < UNREACHABLE
     recording = _Recording(TrueMap(plan.truth, reachable, levels), rng, {})
     policy = _Recorder(loaded=loaded, recording=recording, files=files)
-    coverage = [world.team_coverage[0]]
+    coverage = [_covered(world)]
     for _ in rollout(world, ask_pilots(policy, make_pilots(policy, world), world)):
-        coverage.append(world.team_coverage[0])
+        coverage.append(_covered(world))
         if coverage[-1] >= ENOUGH:
             break
     end, most = len(coverage) - 1, max(coverage)
@@ -199,6 +199,17 @@ def fly(
     t90 = int(np.argmax(np.array(coverage) >= MOSTLY)) if most >= MOSTLY else end
     flown = [as_arrays(each, reach, t90, end) for each in recording.choices.values() if len(each) > 1]
     return TrainingFlight(flown, (t90 / nominal, end / nominal) if team == 1 else (math.nan, math.nan))
+
+
+def _covered(world: World) -> float:
+    """Return the team's coverage; where maps can be wrong, the share of the cells that they show, rightly or not.
+
+    So a flight ends when all has been seen, and what is seen again because of errors is not learned from.
+    """
+    if not world.scenario.uncertain:
+        return float(world.team_coverage[0])
+    state = world.state
+    return float(np.count_nonzero((state.union[0] != UNKNOWN) & state.counts[0]) / state.total[0])
 
 
 def as_arrays(choices: Sequence[Choice], lidar_range: float, t90: int, end: int) -> dict[str, NDArray[Any]]:

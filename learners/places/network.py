@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.compiled import kernel
-from indoor_explorers.learners.places.scene import Scene, input_sizes
+from indoor_explorers.learners.places.scene import PLACE, Scene, input_sizes
 from indoor_explorers.planners.toolbox.networks.layers import linear, relu
 from indoor_explorers.planners.toolbox.networks.weights_file import read_once, read_weights_file, write_weights_file
 
@@ -49,6 +49,11 @@ class Loaded(NamedTuple):
     """Most places near the UAV that need not be at a frontier."""
     task: bool = False
     """Whether the network sees what is harder about the task, see :mod:`.task_inputs`."""
+
+    @property
+    def width(self) -> int:
+        """Units of each hidden layer."""
+        return self.weights.second_bias.size
 
 
 #: Fields of :class:`Loaded` that a file has only where they are set, as files of older versions have none of them.
@@ -97,6 +102,16 @@ def without_network(loaded: Loaded) -> Loaded:
     """Return weights by which the values of places are the planner's costs alone."""
     silent = {"out": np.zeros_like(loaded.weights.out), "out_bias": np.zeros_like(loaded.weights.out_bias)}
     return loaded._replace(weights=loaded.weights._replace(**silent), prior=1.0)
+
+
+def with_task_inputs(weights: NetworkWeights) -> NetworkWeights:
+    """Return weights of a network that sees the task's inputs too, and makes nothing of them."""
+    of_places, of_all = weights.first[:PLACE], weights.first[PLACE:]
+    (place, common), (plain_place, plain_common) = input_sizes(True), input_sizes(False)
+    unseen = [
+        np.zeros((more, weights.first.shape[1]), np.float32) for more in (place - plain_place, common - plain_common)
+    ]
+    return weights._replace(first=np.concatenate([of_places, unseen[0], of_all, unseen[1]]))
 
 
 def write_weights(path: Path, loaded: Loaded) -> None:

@@ -21,16 +21,25 @@ import numpy as np
 import torch
 from pydantic import Field, model_validator
 
+from indoor_explorers.env.errors import InputError
 from indoor_explorers.learners.places.flights import choices_of, fly, read_choices, write_choices
 from indoor_explorers.learners.places.learning import LATER, advantages, explained, learn_choices, learn_values
 from indoor_explorers.learners.places.model import AdvantageNet, load_into, weights_of
-from indoor_explorers.learners.places.network import WIDTH, Loaded, NetworkWeights, write_weights
-from indoor_explorers.learners.places.policy import NAME
+from indoor_explorers.learners.places.network import (
+    WIDTH,
+    Loaded,
+    NetworkWeights,
+    load_weights,
+    with_task_inputs,
+    write_weights,
+)
+from indoor_explorers.learners.places.policy import NAME, SHIPPED
 from indoor_explorers.learners.places.rounds import RoundSettings, RoundsTraining
 from indoor_explorers.learners.pockets.maps import TrainingMaps, map_record
 from indoor_explorers.learners.sessions.session import Session
 from indoor_explorers.learners.sessions.tensorboard import Scalars
 from indoor_explorers.learners.sessions.train import TrainingMethod
+from indoor_explorers.planners.toolbox.networks.weights_file import weights_path
 from indoor_explorers.planners.toolbox.pockets.estimates import EstimateFiles
 
 __all__ = ["DEFAULT_SCENARIO", "SCALING", "SCALING_AXES", "TrainingConfig", "flown", "train"]
@@ -56,6 +65,9 @@ class TrainingConfig(RoundSettings):
     """Share of the flights over one level in harder tasks: narrow views, errors of sensors and poses, failures."""
     task_inputs: bool = False
     """Show the network what is harder about the task, and where teammates fly."""
+    initial_weights: str | None = None
+    """Path of a training's folder, or of weights, to begin with, or ``shipped`` for the shipped ones. None: none, the
+    network begins as the planner."""
     levels: float = Field(0.0, ge=0.0, le=1.0)
     """Share of the flights in generated buildings of several levels."""
     pocket_weights: str | None = None
@@ -69,9 +81,28 @@ class TrainingConfig(RoundSettings):
         return EstimateFiles.named(self.pocket_weights, self.level_weights)
 
     @model_validator(mode="after")
-    def _are_estimates(self) -> Self:
-        _ = self.estimate_files
+    def _are_weights(self) -> Self:
+        _ = self.estimate_files, self.initial
         return self
+
+    @property
+    def initial(self) -> NetworkWeights | None:
+        """The weights that the training begins with, if any, with zeros for inputs that they do not have.
+
+        Raises :class:`InputError` where they are missing or of a network with other settings.
+        """
+        if self.initial_weights is None:
+            return None
+        path = weights_path(None if self.initial_weights == "shipped" else self.initial_weights, SHIPPED, NAME)
+        loaded = load_weights(path)
+        asked = {"prior": self.prior, "guess": self.guess, "others": self.others, "width": self.width}
+        found = {name: getattr(loaded, name, loaded.width) for name in asked}
+        if found != asked or loaded.task > self.task_inputs:
+            raise InputError(
+                f"{path}: expected weights of a network with {asked} and task inputs {self.task_inputs}, got "
+                f"{found} and {loaded.task}; give the training these settings, or other weights"
+            )
+        return with_task_inputs(loaded.weights) if self.task_inputs > loaded.task else loaded.weights
 
     def maps(self) -> TrainingMaps:
         """Return the training maps, with buildings of several levels among them."""
@@ -91,9 +122,9 @@ class PlacesTraining(RoundsTraining[TrainingConfig, NetworkWeights]):
     layout = NetworkWeights
 
     def untrained(self) -> NetworkWeights:
-        """Return a network that leaves the values to the planner's costs."""
+        """Return the initial weights, or those of a network that leaves the values to the planner's costs."""
         torch.manual_seed(self.seed)
-        return weights_of(self._network())
+        return self.config.initial or weights_of(self._network())
 
     def flying(self) -> Callable[[Path, range], None]:
         """Return the function that flies the latest network."""
