@@ -13,10 +13,11 @@ from indoor_explorers.env.sensing.lidar import lidar_model, new_scan, visible_ce
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
 from indoor_explorers.learners.places.flights import fly
 from indoor_explorers.learners.places.model import AdvantageNet, weights_of
-from indoor_explorers.learners.places.network import Loaded, load_weights, without_network, write_weights
-from indoor_explorers.learners.places.policy import DddqnPlaces
+from indoor_explorers.learners.places.network import Loaded, load_weights, values, without_network, write_weights
+from indoor_explorers.learners.places.policy import SHIPPED, DddqnPlaces
 from indoor_explorers.learners.places.scene import COMMON, PLACE, Observer, Scene
 from indoor_explorers.learners.places.task_inputs import TASK_COMMON, TASK_PLACE, _ends_of_paths
+from indoor_explorers.learners.places.train import PlacesTraining, TrainingConfig
 from indoor_explorers.learners.pockets.maps import TrainingMaps
 from indoor_explorers.learners.pockets.tasks import HARDER, HARDER_ALONE, LARGEST, harder_settings
 from indoor_explorers.planners.toolbox.navigation.paths import Paths
@@ -188,3 +189,32 @@ def test_a_network_that_sees_the_task_flies(tmp_path: Path) -> None:
     for _ in rollout(world, ask_pilots(policy, pilots, world)):
         pass
     assert world.team_coverage[0] >= 0.99
+
+
+def test_a_training_begins_with_the_weights_of_another(tmp_path: Path) -> None:
+    """With inputs that they did not have it begins with the same values."""
+    config = TrainingConfig(initial_weights="shipped", task_inputs=True)
+    shipped, begun = load_weights(SHIPPED), PlacesTraining(config, 1, tmp_path).mean()
+    scene = observed(flown({"lidar.field_of_view": 90.0}))
+    plain = scene._replace(places=scene.places[:, :PLACE].copy(), common=scene.common[:COMMON].copy())
+    assert begun.task > shipped.task
+    np.testing.assert_allclose(values(scene, begun), values(plain, shipped), rtol=1e-5, atol=1e-6)
+    same = TrainingConfig(initial_weights="shipped").initial
+    assert same is not None
+    assert all(np.array_equal(a, b) for a, b in zip(same, shipped.weights, strict=True))
+    write_weights(tmp_path / "places.safetensors", begun)
+    assert TrainingConfig(initial_weights=str(tmp_path), task_inputs=True).initial is not None
+    for other in ({}, {"task_inputs": True, "width": 32}, {"task_inputs": True, "prior": 0.0}):
+        with pytest.raises(ValueError, match="expected weights of a network with"):
+            TrainingConfig(initial_weights=str(tmp_path), **other)
+    with pytest.raises(ValueError, match="expected a safetensors file, found none"):
+        TrainingConfig(initial_weights=str(tmp_path / "none"))
+
+
+def test_a_flight_with_errors_ends_when_all_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What a UAV sees again because its map is wrong is no choice to learn from."""
+    monkeypatch.setattr("indoor_explorers.learners.places.flights.harder_settings", lambda *_: {"drift.rate": 0.002})
+    flight = fly(TrainingMaps(), 9, Loaded(weights_of(AdvantageNet()), 0.45, guess=True, others=True), harder=1.0)
+    known = flight.choices[0]["common"][:, 0].astype(np.float64)
+    assert flight.times[1] < 6.0, "expected it to end long before the budget"
+    assert known[-1] > known[0]
