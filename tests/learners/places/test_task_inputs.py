@@ -9,6 +9,7 @@ import pytest
 
 from indoor_explorers.env import World, make_policy, scenario
 from indoor_explorers.env.grid.cells import FREE, MOVES, UNKNOWN
+from indoor_explorers.env.policies.registry import with_parameters
 from indoor_explorers.env.sensing.lidar import lidar_model, new_scan, visible_cells
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
 from indoor_explorers.learners.places.flights import fly
@@ -218,3 +219,18 @@ def test_a_flight_with_errors_ends_when_all_is_seen(monkeypatch: pytest.MonkeyPa
     known = flight.choices[0]["common"][:, 0].astype(np.float64)
     assert flight.times[1] < 6.0, "expected it to end long before the budget"
     assert known[-1] > known[0]
+
+
+@pytest.mark.parametrize("settings", [{"lidar.field_of_view": 90.0}, {"team": 3, "failures.hazard": 0.005}])
+def test_policies_that_are_not_needed_leave_the_flight_as_it_is(settings: dict[str, Any]) -> None:
+    """Where no pose drifts and no base waits, the learner for all harder tasks flies as the network of places alone."""
+    paths = []
+    for name in ("dddqn-places", "loop-closing(explorer='dddqn-reports(explorer=\"dddqn-places\")')"):
+        world = World(scenario("small-floors").with_settings({"team": 2, "budget": 80, **settings}))
+        world.reset([5])
+        called, parameters = with_parameters(name)
+        policy = make_policy(called, **parameters)
+        flown = rollout(world, ask_pilots(policy, make_pilots(policy, world), world))
+        paths.append([world.state.cell[0].tolist() for _ in flown])
+    assert len(paths[0]) > 40
+    assert paths[0] == paths[1]
