@@ -4,6 +4,7 @@ import ast
 import importlib
 import os
 import re
+import shlex
 import subprocess
 import sys
 
@@ -72,7 +73,7 @@ def test_every_policy_and_scenario_is_in_its_table():
 def test_every_command_line_is_understood(path):
     assert not re.search(r"^ {0,3}indoor-explorers ", path.read_text(), re.MULTILINE)  # would be no code
     for line in re.findall(r"^    indoor-explorers (.*)$", path.read_text(), re.MULTILINE):
-        build_parser().parse_args(joined_words(line.replace("'", "").split()))
+        build_parser().parse_args(joined_words(shlex.split(line)))
 
 
 def test_the_references_know_every_command_and_what_it_exports():
