@@ -22,6 +22,8 @@ import torch
 from pydantic import Field, model_validator
 
 from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.provenance import record_of, recorded_maps
+from indoor_explorers.env.scenarios.seed_sets import SeedUse
 from indoor_explorers.learners.places.flights import choices_of, fly, read_choices, write_choices
 from indoor_explorers.learners.places.learning import LATER, advantages, explained, learn_choices, learn_values
 from indoor_explorers.learners.places.model import AdvantageNet, load_into, weights_of
@@ -91,9 +93,9 @@ class TrainingConfig(RoundSettings):
 
         Raises :class:`InputError` where they are missing or of a network with other settings.
         """
-        if self.initial_weights is None:
+        path = self._initial_path
+        if path is None:
             return None
-        path = weights_path(None if self.initial_weights == "shipped" else self.initial_weights, SHIPPED, NAME)
         loaded = load_weights(path)
         asked = {"prior": self.prior, "guess": self.guess, "others": self.others, "width": self.width}
         found = {name: getattr(loaded, name, loaded.width) for name in asked}
@@ -103,6 +105,18 @@ class TrainingConfig(RoundSettings):
                 f"{found} and {loaded.task}; give the training these settings, or other weights"
             )
         return with_task_inputs(loaded.weights) if self.task_inputs > loaded.task else loaded.weights
+
+    @property
+    def _initial_path(self) -> Path | None:
+        given = self.initial_weights
+        return None if given is None else weights_path(None if given == "shipped" else given, SHIPPED, NAME)
+
+    def seen_maps(self) -> tuple[str, ...]:
+        """Return what is learned from, and what the initial weights were learned from."""
+        path, seen = self._initial_path, list(super().seen_maps())
+        if path is not None:
+            seen += recorded_maps(record_of(path)).get(SeedUse.TRAINING, [])
+        return tuple(dict.fromkeys(seen))
 
     def maps(self) -> TrainingMaps:
         """Return the training maps, with buildings of several levels among them."""

@@ -199,6 +199,8 @@ def test_a_training_begins_with_the_weights_of_another(tmp_path: Path) -> None:
     scene = observed(flown({"lidar.field_of_view": 90.0}))
     plain = scene._replace(places=scene.places[:, :PLACE].copy(), common=scene.common[:COMMON].copy())
     assert begun.task > shipped.task
+    assert config.seen_maps() == ("floors/train", "dungeons/train")
+    assert TrainingConfig(task_inputs=True).seen_maps() == ()
     np.testing.assert_allclose(values(scene, begun), values(plain, shipped), rtol=1e-5, atol=1e-6)
     same = TrainingConfig(initial_weights="shipped").initial
     assert same is not None
