@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Belief, Cell, Mask, copied, read_only
+from indoor_explorers.env.grid.cells import UNKNOWN
 from indoor_explorers.env.grid.randomness import Stream, generator
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.policies.policy import checked_action, integers
@@ -283,6 +284,11 @@ class World:
     def team_coverage(self) -> NDArray[np.float64]:
         """(B,) coverage of the union of the team's maps, as a share of the denominator."""
         return np.asarray(self.state.team_covered / self.state.total)
+
+    def claimed_coverage(self, episode: int) -> float:
+        """Return the coverage that the team's map claims: what it would be if all that the map shows were right."""
+        known = (self.state.union[episode] != UNKNOWN) & self.state.counts[episode]
+        return float(known.sum() / self.state.total[episode])
 
     @property
     def counted_coverage(self) -> NDArray[np.float64]:

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.grid.cells import FREE, UNKNOWN, UNREACHABLE
+from indoor_explorers.env.grid.cells import FREE, UNREACHABLE
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.policies.policy import Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
@@ -202,14 +202,11 @@ def fly(
 
 
 def _covered(world: World) -> float:
-    """Return the team's coverage; where maps can be wrong, the share of the cells that they show, rightly or not.
+    """Return the team's coverage, or the one that its map claims where that can be wrong.
 
     So a flight ends when all has been seen, and what is seen again because of errors is not learned from.
     """
-    if not world.scenario.uncertain:
-        return float(world.team_coverage[0])
-    state = world.state
-    return float(np.count_nonzero((state.union[0] != UNKNOWN) & state.counts[0]) / state.total[0])
+    return world.claimed_coverage(0) if world.scenario.uncertain else float(world.team_coverage[0])
 
 
 def as_arrays(choices: Sequence[Choice], lidar_range: float, t90: int, end: int) -> dict[str, NDArray[Any]]:

@@ -107,15 +107,12 @@ def _batches(some: NDArray[np.int64], passes: int) -> Iterator[NDArray[np.int64]
         yield from (np.sort(mixed[k : k + BATCH]) for k in range(0, len(mixed), BATCH) if len(mixed) - k >= BATCH // 2)
 
 
-def learn_values(choices: ChoiceArrays, task: bool = False) -> NDArray[np.float32]:
-    """Fit a value network to the returns of each half of the flights; return (C,) the predictions of the other's.
-
-    ``task`` tells whether the choices have the task's inputs.
-    """
+def learn_values(choices: ChoiceArrays) -> NDArray[np.float32]:
+    """Fit a value network to the returns of each half of the flights; return (C,) the predictions of the other's."""
     judged, half = np.zeros(len(choices.half), np.float32), choices.half
     returns = torch.from_numpy(advantages(choices, judged, 1.0))
     for taught in (0, 1):
-        network = ValueNet(task)
+        network = ValueNet(choices.arrays["places"].shape[-1], choices.arrays["common"].shape[-1])
 
         def loss(some: NDArray[np.int64], network: ValueNet = network) -> Tensor:
             return functional.smooth_l1_loss(network(batch_of(choices, some)), returns[some], beta=ROBUST)

@@ -84,11 +84,13 @@ class AdvantageNet(nn.Module):
 
 
 class ValueNet(nn.Module):
-    """Predicts the return of the rest of a flight from the places and the true map."""
+    """Predicts the return of the rest of a flight from the places and the true map.
 
-    def __init__(self, task: bool = False) -> None:
+    ``place`` and ``common`` are how many numbers the choices have about a place and about all of them.
+    """
+
+    def __init__(self, place: int, common: int) -> None:
         super().__init__()
-        place, common = input_sizes(task)
         self.set = _Set(place + TRUE_PLACE + 1, common + TRUE_COMMON, VALUE_HIDDEN)
         self.hidden, self.out = nn.Linear(2 * VALUE_HIDDEN, VALUE_HIDDEN), nn.Linear(VALUE_HIDDEN, 1)
 

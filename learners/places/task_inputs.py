@@ -8,11 +8,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.grid.cells import MOVES, UNKNOWN
+from indoor_explorers.env.grid.cells import MOVES
 from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.env.policies.view import Mate, View
-from indoor_explorers.env.sensing.field_of_view import ALL_AROUND, is_in_view, least_cosine
-from indoor_explorers.env.sensing.lidar import LidarModel, new_scan, visible_cells
+from indoor_explorers.env.sensing.field_of_view import ALL_AROUND, least_cosine
+from indoor_explorers.env.sensing.lidar import LidarModel, new_scan, unknown_in_view
+from indoor_explorers.planners.toolbox.navigation.camera_moves import unknown_ahead
 from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
 from indoor_explorers.planners.toolbox.navigation.teammates import linked, sent_goal
 
@@ -65,14 +66,9 @@ def _shares_in_view(
     shares = np.ones(cells.shape[0])
     for k in range(cells.shape[0]):
         row, col = divmod(cells[k], width)
-        seen = unknown = 0
-        for place in range(visible_cells(belief, row, col, lidar, scan)):
-            r, c = divmod(scan.cells[place], width)
-            if belief[r, c] == UNKNOWN:
-                unknown += 1
-                seen += is_in_view(cosine, moves[k], r - row, c - col)
+        unknown = unknown_in_view(belief, row, col, lidar, scan)
         if unknown:
-            shares[k] = seen / unknown
+            shares[k] = unknown_ahead(belief, row, col, moves[k], lidar, scan, cosine) / unknown
     return shares
 
 

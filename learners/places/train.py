@@ -41,7 +41,7 @@ from indoor_explorers.learners.pockets.maps import TrainingMaps, map_record
 from indoor_explorers.learners.sessions.session import Session
 from indoor_explorers.learners.sessions.tensorboard import Scalars
 from indoor_explorers.learners.sessions.train import TrainingMethod
-from indoor_explorers.planners.toolbox.networks.weights_file import weights_path
+from indoor_explorers.planners.toolbox.networks.weights_file import optional_weights_path
 from indoor_explorers.planners.toolbox.pockets.estimates import EstimateFiles
 
 __all__ = ["DEFAULT_SCENARIO", "SCALING", "SCALING_AXES", "TrainingConfig", "flown", "train"]
@@ -98,7 +98,7 @@ class TrainingConfig(RoundSettings):
             return None
         loaded = load_weights(path)
         asked = {"prior": self.prior, "guess": self.guess, "others": self.others, "width": self.width}
-        found = {name: getattr(loaded, name, loaded.width) for name in asked}
+        found = {name: getattr(loaded, name) for name in asked}
         if found != asked or loaded.task > self.task_inputs:
             raise InputError(
                 f"{path}: expected weights of a network with {asked} and task inputs {self.task_inputs}, got "
@@ -108,8 +108,7 @@ class TrainingConfig(RoundSettings):
 
     @property
     def _initial_path(self) -> Path | None:
-        given = self.initial_weights
-        return None if given is None else weights_path(None if given == "shipped" else given, SHIPPED, NAME)
+        return optional_weights_path(self.initial_weights, SHIPPED, NAME)
 
     def seen_maps(self) -> tuple[str, ...]:
         """Return what is learned from, and what the initial weights were learned from."""
@@ -151,7 +150,7 @@ class PlacesTraining(RoundsTraining[TrainingConfig, NetworkWeights]):
         """Return the next network, and figures of the round."""
         torch.manual_seed(1000 * self.seed + self.rounds)
         choices = read_choices(paths)
-        values = learn_values(choices, self.config.task_inputs)
+        values = learn_values(choices)
         network = self._network()
         load_into(network, self.networks[-1])
         error = learn_choices(network, choices, advantages(choices, values, LATER))

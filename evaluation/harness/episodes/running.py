@@ -138,10 +138,10 @@ def map_metrics(world: World, episode: int, flown: NDArray[np.integer]) -> dict[
     """
     assert world.slam is not None
     state = world.state
-    shown, truth, counts = state.union[episode], state.truth[episode], state.counts[episode]
+    shown, truth = state.union[episode], state.truth[episode]
     known, steps = shown != UNKNOWN, int(flown.sum())
     return {
         "map_error": float((shown != truth)[known].mean()) if known.any() else None,
-        "claimed": float((known & counts).sum() / state.total[episode]),
+        "claimed": world.claimed_coverage(episode),
         "pose_error": float(world.slam.pose_error[episode].sum() / steps) if steps else None,
     }

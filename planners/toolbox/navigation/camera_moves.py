@@ -11,30 +11,39 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.grid.cells import MOVES, UNKNOWN
-from indoor_explorers.env.grid.compiled import kernel
+from indoor_explorers.env.grid.compiled import kernel, leaf
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.sensing.field_of_view import is_in_view, least_cosine
-from indoor_explorers.env.sensing.lidar import LidarModel, lidar_model, new_scan, visible_cells
+from indoor_explorers.env.sensing.lidar import LidarModel, Scan, lidar_model, new_scan, visible_cells
 from indoor_explorers.planners.toolbox.navigation.paths import Paths
+
+
+@leaf()
+def unknown_ahead(
+    belief: np.ndarray, row: int, col: int, move: int, lidar: LidarModel, scan: Scan, cosine: float
+) -> int:
+    """Count the unknown cells of a (H, W) belief that are in view from a cell by a sensor that faces a move.
+
+    Unknown cells are transparent. ``cosine`` is the :func:`~indoor_explorers.env.sensing.field_of_view.least_cosine`.
+    """
+    width, seen = belief.shape[1], 0
+    for place in range(visible_cells(belief, row, col, lidar, scan)):
+        r, c = divmod(scan.cells[place], width)
+        if belief[r, c] == UNKNOWN:
+            seen += is_in_view(cosine, move, r - row, c - col)
+    return seen
 
 
 @kernel()
 def move_gains(
     belief: np.ndarray, row: int, col: int, moves: np.ndarray, lidar: LidarModel, cosine: float
 ) -> np.ndarray:
-    """Return the unknown cells of a (H, W) belief that are in view after each of (K,) moves from a cell, (K,) int64.
-
-    Unknown cells are transparent. ``cosine`` is the :func:`~indoor_explorers.env.sensing.field_of_view.least_cosine`.
-    """
-    width = belief.shape[1]
+    """Return the :func:`unknown_ahead` after each of (K,) moves from a cell, (K,) int64."""
     scan = new_scan(lidar)
     gains = np.zeros(moves.shape[0], np.int64)
     for k in range(moves.shape[0]):
         down, right = MOVES[moves[k], 0], MOVES[moves[k], 1]
-        for place in range(visible_cells(belief, row + down, col + right, lidar, scan)):
-            r, c = divmod(scan.cells[place], width)
-            if belief[r, c] == UNKNOWN:
-                gains[k] += is_in_view(cosine, moves[k], r - row - down, c - col - right)
+        gains[k] = unknown_ahead(belief, row + down, col + right, moves[k], lidar, scan, cosine)
     return gains
 
 

@@ -22,6 +22,8 @@ from indoor_explorers.planners.toolbox.networks.tensors import read_tensors, wri
 
 #: Name of the metadata entry, and its name in files of ``dddqn-thesis`` up to version 0.2.0.
 ABOUT, FORMER_ABOUT = "about", "eye"
+#: What stands for the shipped weights where there are none by default.
+AS_SHIPPED = "shipped"
 #: Largest size of a weights file.
 MOST_BYTES = 1_000_000_000
 
@@ -34,6 +36,14 @@ def weights_path(given: str | None, shipped: Path, name: str) -> Path:
         return shipped
     path = expanded(given)
     return path / name if path.is_dir() else path
+
+
+def optional_weights_path(given: str | None, shipped: Path, name: str) -> Path | None:
+    """Return the path of weights as :func:`weights_path` does, for ``AS_SHIPPED`` that of the shipped ones.
+
+    None stands for no weights.
+    """
+    return None if given is None else weights_path(None if given == AS_SHIPPED else given, shipped, name)
 
 
 class WeightsFile(NamedTuple):

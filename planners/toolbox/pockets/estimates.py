@@ -17,7 +17,12 @@ from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.env.policies.view import Briefing
 from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters
-from indoor_explorers.planners.toolbox.networks.weights_file import read_once, read_weights_file, weights_path
+from indoor_explorers.planners.toolbox.networks.weights_file import (
+    optional_weights_path,
+    read_once,
+    read_weights_file,
+    weights_path,
+)
 from indoor_explorers.planners.toolbox.pockets.features import COARSE_LAYERS, LEVELS, PLAIN, SIDE, Kind, pictures
 from indoor_explorers.planners.toolbox.pockets.network import (
     OUTPUTS,
@@ -31,8 +36,6 @@ from indoor_explorers.planners.toolbox.pockets.network import (
 #: The weights that ship: for plain maps, and for maps of several levels.
 SHIPPED = Path(__file__).parent / "weights" / "pockets.safetensors"
 SHIPPED_LEVELS = SHIPPED.with_name("pockets-levels.safetensors")
-#: The word for the latter among the parameters of a policy.
-AS_SHIPPED = "shipped"
 #: The file of the weights in the folder of a training.
 NAME = "pockets.safetensors"
 #: Cells of the coarse picture that may have changed for an estimate to be kept.
@@ -112,11 +115,10 @@ class EstimateFiles(NamedTuple):
             InputError: one of them is missing, or not a file of the network for such maps.
 
         """
-        plain, levels = weights_path(pocket_weights, SHIPPED, NAME), None
+        plain = weights_path(pocket_weights, SHIPPED, NAME)
+        levels = optional_weights_path(level_weights, SHIPPED_LEVELS, NAME)
         load_weights(plain)
-        if level_weights is not None:
-            given = None if level_weights == AS_SHIPPED else level_weights
-            levels = weights_path(given, SHIPPED_LEVELS, NAME)
+        if levels is not None:
             load_weights(levels, LEVELS)
         return cls(plain, levels)
 

@@ -1,5 +1,7 @@
 """Small scenes and choices for the tests."""
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -12,11 +14,17 @@ from indoor_explorers.learners.places.scene import COMMON, MOST, PLACE, Scene
 from indoor_explorers.learners.places.truth import TRUE_COMMON, TRUE_PLACE
 
 
-def world_on_a_floor(seed: int = 3, steps: int = 60, team: int = 1) -> World:
-    """A world in which UAVs have flown for some steps over a small floor."""
-    world = World(scenario("small-floors").with_settings({"team": team, "goal": 0.99}))
+def world_on_a_floor(
+    seed: int = 3,
+    steps: int = 60,
+    team: int = 1,
+    settings: Mapping[str, Any] = MappingProxyType({}),
+    flown_by: str = "frontier-nearest",
+) -> World:
+    """A world in which UAVs have flown for some steps over a small floor, with more settings if any."""
+    world = World(scenario("small-floors").with_settings({"team": team, "goal": 0.99, **settings}))
     world.reset([seed])
-    policy = make_policy("frontier-nearest")
+    policy = make_policy(flown_by)
     for _, _ in zip(range(steps), rollout(world, ask_pilots(policy, make_pilots(policy, world), world)), strict=False):
         pass
     return world

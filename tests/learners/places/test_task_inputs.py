@@ -33,15 +33,6 @@ def observed(world: World, agent: int = 0) -> Scene:
     return scene
 
 
-def flown(settings: dict[str, Any], steps: int = 60) -> World:
-    world = World(scenario("small-floors").with_settings({"team": 1, **settings}))
-    world.reset([3])
-    policy = make_policy("frontier")
-    for _, _ in zip(range(steps), rollout(world, ask_pilots(policy, make_pilots(policy, world), world)), strict=False):
-        pass
-    return world
-
-
 def columns(scene: Scene) -> np.ndarray:
     assert scene.places.shape[1] == PLACE + TASK_PLACE
     return scene.places[:, PLACE:].astype(np.float64)
@@ -63,7 +54,7 @@ def test_what_was_seen_before_stays_the_same() -> None:
 
 
 def test_goals_of_teammates_are_seen() -> None:
-    world = flown({"team": 3, "radio.model": "unlimited"})
+    world = world_on_a_floor(settings={"team": 3, "radio.model": "unlimited"}, flown_by="frontier")
     view, scene = world.view(0, 0), observed(world)
     goals = [(int(mate.message[0]), int(mate.message[1])) for mate in view.mates if mate.message]
     assert len(goals) == 2
@@ -79,7 +70,7 @@ def test_goals_of_teammates_are_seen() -> None:
 @pytest.mark.parametrize("degrees", [90.0, 180.0])
 def test_the_heading_and_the_view_on_arrival_are_seen(degrees: float) -> None:
     """A place is ahead, aside or behind; on arrival a sensor sees the unknown cells within half its angle."""
-    world = flown({"lidar.field_of_view": degrees})
+    world = world_on_a_floor(settings={"lidar.field_of_view": degrees}, flown_by="frontier")
     view, scene = world.view(0, 0), observed(world)
     ahead, shares = columns(scene)[:, 3:].T
     assert ahead.min() < 0.0 < ahead.max()
@@ -128,16 +119,18 @@ def test_ends_of_paths_lie_on_shortest_paths() -> None:
 
 def test_the_task_is_seen() -> None:
     settings = {"drift.rate": 0.001, "noise.misses": 0.1, "noise.range_std": 0.2, "lidar.field_of_view": 120.0}
-    world = flown(settings)
+    world = world_on_a_floor(settings=settings)
     expected = [1 / 3, world.view(0, 0).pose_std, 0.5, 0.5, 0.2, 0.0, 0.0, 0.0, 0.0]
     np.testing.assert_allclose(common(observed(world)), expected, rtol=1e-6)
     failing = {"team": 3, "radio.model": "none", "failures.hazard": 0.001, "failures.radio_hazard": 0.01}
-    np.testing.assert_allclose(common(observed(flown(failing))), [1, 0, 0, 0, 0, 0.5, 0.5, 1, 0], rtol=1e-6)
+    np.testing.assert_allclose(
+        common(observed(world_on_a_floor(settings=failing))), [1, 0, 0, 0, 0, 0.5, 0.5, 1, 0], rtol=1e-6
+    )
 
 
 def test_teammates_that_seem_to_have_stopped_are_counted() -> None:
     """A teammate that is silent though the radio reaches everywhere has stopped."""
-    world = flown({"team": 3, "radio.model": "unlimited", "failures.stops": ((2, 30),)})
+    world = world_on_a_floor(settings={"team": 3, "radio.model": "unlimited", "failures.stops": ((2, 30),)})
     np.testing.assert_allclose(common(observed(world))[-2:], [0.5, 0.25])
 
 
@@ -196,7 +189,7 @@ def test_a_training_begins_with_the_weights_of_another(tmp_path: Path) -> None:
     """With inputs that they did not have it begins with the same values."""
     config = TrainingConfig(initial_weights="shipped", task_inputs=True)
     shipped, begun = load_weights(SHIPPED), PlacesTraining(config, 1, tmp_path).mean()
-    scene = observed(flown({"lidar.field_of_view": 90.0}))
+    scene = observed(world_on_a_floor(settings={"lidar.field_of_view": 90.0}))
     plain = scene._replace(places=scene.places[:, :PLACE].copy(), common=scene.common[:COMMON].copy())
     assert begun.task > shipped.task
     assert config.seen_maps() == ("floors/train", "dungeons/train")
