@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -13,18 +12,24 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.cells import FREE, UNREACHABLE
 from indoor_explorers.env.maps.floorplan import Floorplan
-from indoor_explorers.env.policies.policy import Pilot, Policy
-from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.scenarios.presets import on_files
 from indoor_explorers.env.search.bfs import distance_field
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
 from indoor_explorers.env.simulation.world import World
-from indoor_explorers.learners.places.network import Loaded, values
-from indoor_explorers.learners.places.policy import PlacesPilot
-from indoor_explorers.learners.places.scene import MOST, Scene
-from indoor_explorers.learners.places.truth import TrueMap, Truth, truth_of
+from indoor_explorers.learners.places.network import Loaded
+from indoor_explorers.learners.places.recording import Choice, Recorder, Recording
+from indoor_explorers.learners.places.scene import MOST
+from indoor_explorers.learners.places.truth import TrueMap
 from indoor_explorers.learners.pockets.maps import TrainingMaps
-from indoor_explorers.learners.pockets.tasks import harder_settings, lidar_over_levels, team_settings
+from indoor_explorers.learners.pockets.tasks import base_settings, harder_settings, lidar_over_levels, team_settings
+from indoor_explorers.learners.reports.flights import (
+    TRUE,
+    draw_late_cost,
+    flown_coverage,
+    points_lost_until,
+    true_state,
+)
+from indoor_explorers.learners.reports.situation import LATE_COST
 from indoor_explorers.planners.toolbox.networks.tensors import read_tensors, write_tensors
 from indoor_explorers.planners.toolbox.pockets.estimates import DEFAULT_FILES, EstimateFiles
 
@@ -95,71 +100,22 @@ HARDER_TEAM_SHARES = (0.4, 0.25, 0.35)
 MISSING = 5.0
 #: Cost of a step before 90 % coverage, beyond that of every step, which is 1.
 EARLY = 0.5
+#: Lidar ranges of flight that a point costs where a home base waits.
+POINT = 2.0
+#: Discount factor per lidar range of flight; where a base waits what comes later counts as much.
+DISCOUNT = 0.99
 #: Coverage up to which a step costs more, and at which a flight ends.
 MOSTLY, ENOUGH = 0.9, 0.99
 
 
-class Choice(NamedTuple):
-    """One choice of a flight."""
+def _task(plan: Floorplan, rng: np.random.Generator, harder: float, bases: float) -> dict[str, Any]:
+    """Return the settings of a task on a map, drawn at random.
 
-    scene: Scene
-    """The K places that it was made among."""
-    truth: Truth
-    """The features of the true map at these places."""
-    chosen: int
-    """Row of the chosen place."""
-    step: int
-    """Step of the flight."""
-    probabilities: NDArray[np.float32]
-    """(K,) with which each place was drawn."""
-
-
-class _Recording(NamedTuple):
-    """The true map, the generator and the choices of a flight, which its pilots share."""
-
-    true: TrueMap
-    rng: np.random.Generator
-    choices: dict[int, list[Choice]]
-    """The choices so far, by UAV."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Recorder(Policy):
-    """The policy of a training flight."""
-
-    loaded: Loaded
-    recording: _Recording
-    files: EstimateFiles
-
-    def pilot(self, briefing: Briefing) -> Pilot:
-        """Make the pilot of one UAV."""
-        return RecordingPilot(briefing, self.loaded, self.recording, self.files)
-
-
-class RecordingPilot(PlacesPilot):
-    """Choose at random, with probabilities that grow with the values, and record the choice with the truth."""
-
-    def __init__(self, briefing: Briefing, loaded: Loaded, recording: _Recording, files: EstimateFiles) -> None:
-        super().__init__(briefing, loaded, files=files)
-        self._recording = recording
-
-    def pick(self, view: View, scene: Scene) -> int:
-        """Return the row of the drawn place; the probabilities are the softmax of the values."""
-        recording, reach = self._recording, float(self.briefing.lidar_range)
-        logits = values(scene, self._loaded).astype(np.float64)
-        probabilities = np.exp(logits - logits.max())
-        probabilities /= probabilities.sum()
-        chosen = int(recording.rng.choice(len(probabilities), p=probabilities))
-        field = self.steps_from(view, view.cell)
-        truth = truth_of(scene, self.clusters(view), view.belief, recording.true, field, reach)
-        choice = Choice(scene, truth, chosen, view.step, probabilities.astype(np.float32))
-        recording.choices.setdefault(self.briefing.agent, []).append(choice)
-        return chosen
-
-
-def _task(plan: Floorplan, rng: np.random.Generator, harder: float) -> dict[str, Any]:
-    """Return the settings of a task on a map, drawn at random; in a share ``harder`` of them it is a harder one."""
+    In a share ``bases`` of them a base waits, in a share ``harder`` of the others it is a harder one.
+    """
     if plan.level_count == 1:
+        if bases > 0.0 and rng.random() < bases:
+            return base_settings(int(np.count_nonzero(plan.truth == FREE)), rng)
         is_harder = harder > 0.0 and rng.random() < harder
         shares = HARDER_TEAM_SHARES if is_harder else TEAM_SHARES
         reach, team = float(rng.choice(RANGES, p=RANGE_SHARES)), int(rng.choice(TEAMS, p=shares))
@@ -169,27 +125,37 @@ def _task(plan: Floorplan, rng: np.random.Generator, harder: float) -> dict[str,
 
 
 def fly(
-    maps: TrainingMaps, seed: int, loaded: Loaded, files: EstimateFiles = DEFAULT_FILES, harder: float = 0.0
+    maps: TrainingMaps,
+    seed: int,
+    loaded: Loaded,
+    files: EstimateFiles = DEFAULT_FILES,
+    harder: float = 0.0,
+    bases: float = 0.0,
 ) -> TrainingFlight:
     """Return a flight of a network over a map drawn by a seed, with a lidar, team and radio drawn likewise.
 
-    ``files`` has the weights of the estimates that the network sees; ``harder`` is the share of harder tasks.
+    ``files`` has the weights of the estimates that the network sees. A share ``bases`` of the tasks has a home base
+    and a deadline, a share ``harder`` of the others is harder.
     """
     rng = np.random.default_rng([seed, 11])
     plan = maps.draw(rng)
     while not FEWEST <= np.count_nonzero(plan.truth == FREE) <= LARGEST:
         plan = maps.draw(rng)
-    asked = _task(plan, rng, harder)
+    asked = _task(plan, rng, harder, bases)
     reach, team = asked["lidar.range"], asked["team"]
     world = World(on_files(("map",), None).with_settings(asked).for_evaluation())
     world.begin(0, seed, floorplan=plan)
     levels = plan.levels
     reachable = distance_field(plan.truth, world.view(0, 0).cell, levels.rise) < UNREACHABLE
-    recording = _Recording(TrueMap(plan.truth, reachable, levels), rng, {})
-    policy = _Recorder(loaded=loaded, recording=recording, files=files)
-    coverage = [_covered(world)]
+    recording = Recording(TrueMap(plan.truth, reachable, levels), rng, {})
+    has_base = "base.at" in asked
+    late_cost = draw_late_cost(rng) if has_base else LATE_COST
+    policy = Recorder(loaded=loaded, recording=recording, files=files, late_cost=late_cost)
+    if has_base:
+        return _reported(world, policy, late_cost)
+    coverage = [_covered(world, loaded)]
     for _ in rollout(world, ask_pilots(policy, make_pilots(policy, world), world)):
-        coverage.append(_covered(world))
+        coverage.append(_covered(world, loaded))
         if coverage[-1] >= ENOUGH:
             break
     end, most = len(coverage) - 1, max(coverage)
@@ -197,48 +163,93 @@ def fly(
     if most < ENOUGH and not world.flying.any() and end < world.view(0, 0).budget:
         end += math.ceil(MISSING * (ENOUGH - most) * nominal)
     t90 = int(np.argmax(np.array(coverage) >= MOSTLY)) if most >= MOSTLY else end
-    flown = [as_arrays(each, reach, t90, end) for each in recording.choices.values() if len(each) > 1]
+    steps = np.arange(end + 1)
+    lost = steps + EARLY * np.minimum(steps, t90)
+    flown = [as_arrays(each, reach, lost) for each in recording.choices.values() if len(each) > 1]
     return TrainingFlight(flown, (t90 / nominal, end / nominal) if team == 1 else (math.nan, math.nan))
 
 
-def _covered(world: World) -> float:
+def _covered(world: World, loaded: Loaded) -> float:
     """Return the team's coverage, or the one that its map claims where that can be wrong.
 
-    So a flight ends when all has been seen, and what is seen again because of errors is not learned from.
+    So a flight ends when all has been seen, and what is seen again because of errors is not learned from. A network
+    that closes loops is to show it rightly.
     """
-    return world.claimed_coverage(0) if world.scenario.uncertain else float(world.team_coverage[0])
+    corrects = loaded.options and world.scenario.drift.rate > 0.0
+    uncertain = world.scenario.uncertain and not corrects
+    return world.claimed_coverage(0) if uncertain else float(world.team_coverage[0])
 
 
-def as_arrays(choices: Sequence[Choice], lidar_range: float, t90: int, end: int) -> dict[str, NDArray[Any]]:
+def _reported(world: World, policy: Recorder, late_cost: float) -> TrainingFlight:
+    """Return a flight whose costs are the points that its home base lacks, see ``dddqn-reports``."""
+    coverage, scenario = flown_coverage(world, policy), world.scenario
+    total, reach = int(world.state.total[0]), scenario.lidar.range
+    lost = points_lost_until(coverage[:, 0], late_cost) * POINT * reach
+    flown = []
+    for choices in policy.recording.choices.values():
+        if len(choices) > 1:
+            known, steps = np.array([(choice.known, choice.step) for choice in choices]).T
+            true = true_state(coverage, steps, known, total, scenario.team, reach)
+            flown.append(as_arrays(choices, reach, lost, 1.0, true))
+    return TrainingFlight(flown, (math.nan, math.nan))
+
+
+def as_arrays(
+    choices: Sequence[Choice],
+    lidar_range: float,
+    lost: NDArray[np.float64],
+    discount: float = DISCOUNT,
+    true: NDArray[np.float32] | None = None,
+) -> dict[str, NDArray[Any]]:
     """Return the C choices of one UAV as arrays by name, padded to K = ``MOST`` places.
 
     ``places`` (C, K, PLACE) and ``common`` (C, COMMON) are the network's inputs, ``there`` (C, K) bool whether there
     is such a place, ``costs`` (C, K) the planner's. ``true_places`` (C, K, TRUE_PLACE) and ``true_common`` (C,
     TRUE_COMMON) are those of the true map. ``probabilities`` (C, K) are those of the draw, ``chosen`` (C,) the rows.
     ``rewards`` (C,) are the negative costs until the next choice, ``durations`` (C,) the time until then, both in lidar
-    ranges. The arguments ``t90`` and ``end`` are the steps to 90 % and to the end of the flight.
+    ranges. ``discounts`` (C,) are the factors on what comes a lidar range later. With O options ``there`` and
+    ``probabilities`` are (C, K + O), and ``true_common`` has the true state of the base behind that of the map.
+
+    Args:
+        choices: The choices.
+        lidar_range: The lidar's range in cells.
+        lost: (T + 1,) what each step until the end of the flight has cost, in steps.
+        discount: The factor on what comes a lidar range later.
+        true: (C, TRUE) the true state of a task with a base; None: zeros.
+
     """
     scenes, truths = [choice.scene for choice in choices], [choice.truth for choice in choices]
-    steps = np.array([choice.step for choice in choices] + [end])
-    early = np.minimum(steps, t90)
-    costs = np.diff(steps) + EARLY * np.diff(early)
+    steps = np.array([choice.step for choice in choices] + [len(lost) - 1])
+    true_common = np.stack([each.common for each in truths])
+    options = len(scenes[0].rules)
+    if options:
+        true = np.zeros((len(choices), TRUE), np.float32) if true is None else true
+        true_common = np.concatenate([true_common, true], axis=1)
+    counts = np.array([len(scene.cells) for scene in scenes])
+    chosen = np.array([choice.chosen for choice in choices])
+    there = [np.concatenate([np.ones(len(scene.cells), np.bool_), np.isfinite(scene.rules)]) for scene in scenes]
     return {
         "places": _padded([scene.places for scene in scenes]).astype(np.float16),
         "common": np.stack([scene.common for scene in scenes]),
-        "there": _padded([np.ones(len(scene.cells), np.bool_) for scene in scenes]),
+        "there": _padded(there, options),
         "costs": _padded([scene.costs for scene in scenes]),
         "true_places": _padded([each.places for each in truths]).astype(np.float16),
-        "true_common": np.stack([each.common for each in truths]),
-        "probabilities": _padded([choice.probabilities for choice in choices]),
-        "chosen": np.array([choice.chosen for choice in choices]),
-        "rewards": (-costs / lidar_range).astype(np.float32),
+        "true_common": true_common,
+        "probabilities": _padded([choice.probabilities for choice in choices], options),
+        "chosen": np.where(chosen < counts, chosen, chosen + MOST - counts),
+        "rewards": (-np.diff(lost[steps]) / lidar_range).astype(np.float32),
         "durations": (np.diff(steps) / lidar_range).astype(np.float32),
+        "discounts": np.full(len(choices), discount, np.float32),
     }
 
 
-def _padded(rows: Sequence[NDArray[Any]]) -> NDArray[Any]:
-    """Return C arrays (K', ...) of up to ``MOST`` places as one (C, MOST, ...), with zeros behind the last place."""
-    out = np.zeros((len(rows), MOST, *rows[0].shape[1:]), rows[0].dtype)
+def _padded(rows: Sequence[NDArray[Any]], options: int = 0) -> NDArray[Any]:
+    """Return C arrays (K' + O, ...) of up to ``MOST`` places as one (C, MOST + O, ...), with zeros behind the places.
+
+    ``options`` is O.
+    """
+    out = np.zeros((len(rows), MOST + options, *rows[0].shape[1:]), rows[0].dtype)
     for k, row in enumerate(rows):
-        out[k, : len(row)] = row
+        count = len(row) - options
+        out[k, :count], out[k, MOST:] = row[:count], row[count:]
     return out

@@ -25,8 +25,8 @@ from torch.nn import functional
 from indoor_explorers.learners.places.flights import ChoiceArrays
 from indoor_explorers.learners.places.model import AdvantageNet, ValueNet, batch_of
 
-#: Discount factor, and share of later surprises that count, both per lidar range of flight.
-DISCOUNT, LATER = 0.99, 0.7
+#: Share of later surprises that count, per lidar range of flight.
+LATER = 0.7
 #: Temperature of a round's step, in lidar ranges: what a place must be better by to become e times as likely.
 TEMPERATURE = 0.3
 #: Passes over the choices: of the value networks, and of the dueling network.
@@ -43,8 +43,8 @@ def advantages(choices: ChoiceArrays, values: NDArray[np.float32], later: float)
     ``values`` (C,) are the predicted returns at the choices. ``later`` is lambda per lidar range: 1 gives the return
     less the value, 0 the temporal-difference error until the next choice alone.
     """
-    rewards, durations = choices.arrays["rewards"], choices.arrays["durations"]
-    return discounted_surprises(rewards, durations, choices.lengths, values, later, DISCOUNT)
+    rewards, durations, discounts = (choices.arrays[name] for name in ("rewards", "durations", "discounts"))
+    return discounted_surprises(rewards, durations, choices.lengths, values, later, discounts)
 
 
 def discounted_surprises(
@@ -53,18 +53,19 @@ def discounted_surprises(
     lengths: NDArray[np.int64],
     values: NDArray[np.float32],
     later: float,
-    discount: float,
+    discounts: NDArray[np.float32],
 ) -> NDArray[np.float32]:
     """Return the sum (C,) of each choice's surprise, its temporal-difference error, and the later ones of its UAV.
 
     ``rewards``, ``durations`` and ``values`` (C,) are those of the choices of U UAVs, ``lengths`` (U,) the choices of
-    each. Both factors are per unit of duration: ``discount`` on what comes later, ``later`` besides on later surprises.
+    each. Both factors are per unit of duration: ``discounts`` (C,) on what comes later, ``later`` besides on later
+    surprises.
     """
     out, first = np.zeros(len(values), np.float32), 0
     for length in lengths.tolist():
         following = beyond = 0.0
         for k in range(first + length - 1, first - 1, -1):
-            factor = discount ** durations[k]
+            factor = discounts[k] ** durations[k]
             surprise = rewards[k] + factor * following - values[k]
             beyond = surprise + factor * later ** durations[k] * beyond
             out[k], following = beyond, values[k]
@@ -112,7 +113,7 @@ def learn_values(choices: ChoiceArrays) -> NDArray[np.float32]:
     judged, half = np.zeros(len(choices.half), np.float32), choices.half
     returns = torch.from_numpy(advantages(choices, judged, 1.0))
     for taught in (0, 1):
-        network = ValueNet(choices.arrays["places"].shape[-1], choices.arrays["common"].shape[-1])
+        network = ValueNet(*(choices.arrays[name].shape[-1] for name in ("places", "common", "true_common")))
 
         def loss(some: NDArray[np.int64], network: ValueNet = network) -> Tensor:
             return functional.smooth_l1_loss(network(batch_of(choices, some)), returns[some], beta=ROBUST)

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 
 from indoor_explorers.learners.places.flights import ChoiceArrays
-from indoor_explorers.learners.places.network import WIDTH, NetworkWeights
-from indoor_explorers.learners.places.scene import input_sizes
-from indoor_explorers.learners.places.truth import TRUE_COMMON, TRUE_PLACE
+from indoor_explorers.learners.places.network import WIDTH, Weights, layout_of
+from indoor_explorers.learners.places.options import Option
+from indoor_explorers.learners.places.scene import MOST, input_sizes
+from indoor_explorers.learners.places.truth import TRUE_PLACE
 
 #: Width of the value networks' layers.
 VALUE_HIDDEN = 96
@@ -28,13 +29,13 @@ class Batch(NamedTuple):
     common: Tensor
     """(B, common)."""
     there: Tensor
-    """(B, K) bool, whether there is such a place."""
+    """(B, K) bool, whether there is such a place; (B, K + O) with options."""
     costs: Tensor
     """(B, K) the planner's costs."""
     true_places: Tensor
     """(B, K, TRUE_PLACE)."""
     true_common: Tensor
-    """(B, TRUE_COMMON)."""
+    """(B, true common)."""
 
 
 def batch_of(choices: ChoiceArrays, some: NDArray[np.int64]) -> Batch:
@@ -65,56 +66,71 @@ class _Set(nn.Module):
 class AdvantageNet(nn.Module):
     """The dueling network without its state value: values of places relative to each other. This part flies.
 
-    Every hidden layer has ``width`` units; ``task`` tells whether it sees the task's inputs.
+    Every hidden layer has ``width`` units; ``task`` tells whether it sees the task's inputs, ``options`` whether it
+    values options beside the places: from the mean and the maximum over the places, and what is common to all.
+    ``prior`` is the weight of the planner's costs, by which the best place is found that options are compared with.
     """
 
-    def __init__(self, width: int = WIDTH, task: bool = False) -> None:
+    def __init__(self, width: int = WIDTH, task: bool = False, options: bool = False, prior: float = 0.0) -> None:
         super().__init__()
-        self.set = _Set(*input_sizes(task), width)
+        place, common = input_sizes(task, options)
+        self.set = _Set(place, common, width)
         self.joined, self.out = nn.Linear(3 * width, width), nn.Linear(width, 1)
         nn.init.normal_(self.out.weight, std=1e-3)
         nn.init.zeros_(self.out.bias)
+        self.layers = [self.set.first, self.set.second, self.joined, self.out]
+        self.has_options, self.prior = options, prior
+        if options:
+            self.option, self.option_out = nn.Linear(2 * width + common, width), nn.Linear(width, len(Option))
+            nn.init.zeros_(self.option_out.weight)
+            nn.init.zeros_(self.option_out.bias)
+            self.layers += [self.option, self.option_out]
 
     def forward(self, batch: Batch) -> Tensor:
-        """Return the values (B, K), 0 where there is no place."""
-        inside, pooled = self.set(batch.places, batch.common, batch.there)
+        """Return the values (B, K), or (B, K + O) with options; 0 where there is no place or option."""
+        inside, pooled = self.set(batch.places, batch.common, batch.there[:, :MOST])
         joined = torch.cat([inside, pooled[:, None].expand(-1, inside.shape[1], -1)], dim=-1)
         values = self.out(torch.relu(self.joined(joined))).squeeze(-1)
+        if self.has_options:
+            inputs = torch.cat([pooled, batch.common], dim=-1)
+            beyond = self.option_out(torch.relu(self.option(inputs)))
+            whole = (values - self.prior * batch.costs).masked_fill(~batch.there[:, :MOST], -torch.inf)
+            values = torch.cat([values, whole.amax(1, keepdim=True) + beyond], dim=-1)
         return torch.where(batch.there, values, 0.0)
 
 
 class ValueNet(nn.Module):
     """Predicts the return of the rest of a flight from the places and the true map.
 
-    ``place`` and ``common`` are how many numbers the choices have about a place and about all of them.
+    ``place`` and ``common`` are how many numbers the choices have about a place and about all of them, ``true_common``
+    how many about the true map.
     """
 
-    def __init__(self, place: int, common: int) -> None:
+    def __init__(self, place: int, common: int, true_common: int) -> None:
         super().__init__()
-        self.set = _Set(place + TRUE_PLACE + 1, common + TRUE_COMMON, VALUE_HIDDEN)
+        self.set = _Set(place + TRUE_PLACE + 1, common + true_common, VALUE_HIDDEN)
         self.hidden, self.out = nn.Linear(2 * VALUE_HIDDEN, VALUE_HIDDEN), nn.Linear(VALUE_HIDDEN, 1)
 
     def forward(self, batch: Batch) -> Tensor:
         """Return the values (B,), in lidar ranges."""
         places = torch.cat([batch.places, batch.true_places, batch.costs[..., None] / 5.0], dim=-1)
-        _, pooled = self.set(places, torch.cat([batch.common, batch.true_common], dim=-1), batch.there)
+        common = torch.cat([batch.common, batch.true_common], dim=-1)
+        _, pooled = self.set(places, common, batch.there[:, :MOST])
         value: Tensor = self.out(torch.relu(self.hidden(pooled))).squeeze(-1) * UNIT
         return value
 
 
-def weights_of(network: AdvantageNet) -> NetworkWeights:
+def weights_of(network: AdvantageNet) -> Weights:
     """Return copies of the weights in the layout of the network that flies: (inputs, outputs), float32."""
-    layers = (network.set.first, network.set.second, network.joined, network.out)
     arrays: list[NDArray[np.float32]] = []
-    for layer in layers:
+    for layer in network.layers:
         arrays += [np.ascontiguousarray(layer.weight.detach().numpy().T), layer.bias.detach().numpy().copy()]
-    return NetworkWeights(*arrays)
+    return layout_of(network.has_options)(*arrays)
 
 
-def load_into(network: AdvantageNet, weights: NetworkWeights) -> None:
+def load_into(network: AdvantageNet, weights: Weights) -> None:
     """Set the weights of a network to ``weights`` in the layout of :func:`weights_of`."""
-    layers = (network.set.first, network.set.second, network.joined, network.out)
     with torch.no_grad():
-        for layer, weight, bias in zip(layers, weights[::2], weights[1::2], strict=True):
+        for layer, weight, bias in zip(network.layers, weights[::2], weights[1::2], strict=True):
             layer.weight.copy_(torch.from_numpy(weight.T.copy()))
             layer.bias.copy_(torch.from_numpy(bias))

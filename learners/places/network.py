@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.compiled import kernel
-from indoor_explorers.learners.places.scene import PLACE, Scene, input_sizes
+from indoor_explorers.learners.places.options import Option
+from indoor_explorers.learners.places.scene import Scene, input_sizes
 from indoor_explorers.planners.toolbox.networks.layers import linear, relu
 from indoor_explorers.planners.toolbox.networks.weights_file import read_once, read_weights_file, write_weights_file
 
@@ -35,10 +36,30 @@ class NetworkWeights(NamedTuple):
     out_bias: NDArray[np.float32]
 
 
+class OptionWeights(NamedTuple):
+    """The same with the layers of the options, which see the mean and the maximum over the places."""
+
+    first: NDArray[np.float32]
+    first_bias: NDArray[np.float32]
+    second: NDArray[np.float32]
+    second_bias: NDArray[np.float32]
+    joined: NDArray[np.float32]
+    joined_bias: NDArray[np.float32]
+    out: NDArray[np.float32]
+    out_bias: NDArray[np.float32]
+    option: NDArray[np.float32]
+    option_bias: NDArray[np.float32]
+    option_out: NDArray[np.float32]
+    option_out_bias: NDArray[np.float32]
+
+
+Weights = NetworkWeights | OptionWeights
+
+
 class Loaded(NamedTuple):
     """The content of a weights file."""
 
-    weights: NetworkWeights
+    weights: Weights
     prior: float
     """Weight of the planner's costs in the values of places."""
     guess: bool
@@ -49,6 +70,8 @@ class Loaded(NamedTuple):
     """Most places near the UAV that need not be at a frontier."""
     task: bool = False
     """Whether the network sees what is harder about the task, see :mod:`.task_inputs`."""
+    options: bool = False
+    """Whether the network values options beside the places, see :class:`~.scene.Option`."""
 
     @property
     def width(self) -> int:
@@ -57,19 +80,28 @@ class Loaded(NamedTuple):
 
 
 #: Fields of :class:`Loaded` that a file has only where they are set, as files of older versions have none of them.
-_ONLY_IF_SET = ("lookouts", "task")
+_ONLY_IF_SET = ("lookouts", "task", "options")
 
 
-def shapes(width: int = WIDTH, task: bool = False) -> dict[str, tuple[int, ...]]:
-    """Return the shapes of the weights by name, for hidden layers of ``width`` units, with or without task inputs."""
-    sizes = {"first": (sum(input_sizes(task)), width), "second": (width, width), "joined": (3 * width, width)}
-    sizes["out"] = (width, 1)
+def layout_of(options: bool) -> type[NetworkWeights] | type[OptionWeights]:
+    """Return the named tuple of a network with or without options."""
+    return OptionWeights if options else NetworkWeights
+
+
+def shapes(width: int = WIDTH, task: bool = False, options: bool = False) -> dict[str, tuple[int, ...]]:
+    """Return the shapes of the weights by name, for hidden layers of ``width`` units.
+
+    ``task`` and ``options`` tell whether there are the task's inputs, and options.
+    """
+    place, common = input_sizes(task, options)
+    sizes = {"first": (place + common, width), "second": (width, width), "joined": (3 * width, width)}
+    sizes |= {"out": (width, 1), "option": (2 * width + common, width), "option_out": (width, len(Option))}
     biases = {f"{name}_bias": (shape[1],) for name, shape in sizes.items()}
-    return {name: (sizes | biases)[name] for name in NetworkWeights._fields}
+    return {name: (sizes | biases)[name] for name in layout_of(options)._fields}
 
 
 @kernel()
-def _values(places: np.ndarray, common: np.ndarray, weights: NetworkWeights) -> np.ndarray:
+def _values(places: np.ndarray, common: np.ndarray, weights: Weights) -> tuple[np.ndarray, np.ndarray]:
     count, hidden = places.shape[0], weights.second.shape[0]
     inside, seen = np.empty((count, hidden), np.float32), np.empty(hidden, np.float32)
     row = np.empty(places.shape[1] + common.shape[0], np.float32)
@@ -89,29 +121,51 @@ def _values(places: np.ndarray, common: np.ndarray, weights: NetworkWeights) -> 
         linear(joined, weights.joined, weights.joined_bias, seen)
         relu(seen)
         linear(seen, weights.out, weights.out_bias, values[k : k + 1])
+    return values, joined[hidden:]
+
+
+@kernel()
+def _option_values(row: np.ndarray, weights: OptionWeights) -> np.ndarray:
+    seen = np.empty(weights.option_bias.shape[0], np.float32)
+    values = np.empty(weights.option_out_bias.shape[0], np.float32)
+    linear(row, weights.option, weights.option_bias, seen)
+    relu(seen)
+    linear(seen, weights.option_out, weights.option_out_bias, values)
     return values
 
 
 def values(scene: Scene, loaded: Loaded) -> NDArray[np.float32]:
-    """Return the values (K,) of the places of a scene: the network's, less the planner's costs."""
-    learned = _values(scene.places, scene.common, loaded.weights)
-    return np.asarray(learned - np.float32(loaded.prior) * scene.costs)
+    """Return the values of the places of a scene: the network's, less the planner's costs, (K,).
+
+    Behind them are those of the options, if the network has any: that of the best place, with the rules' and the
+    network's values of preferring the option to it, (K + O,).
+    """
+    learned, pooled = _values(scene.places, scene.common, loaded.weights)
+    of_places = np.asarray(learned - np.float32(loaded.prior) * scene.costs)
+    if not isinstance(loaded.weights, OptionWeights):
+        return of_places
+    of_options = _option_values(np.concatenate([pooled, scene.common]), loaded.weights)
+    return np.concatenate([of_places, of_places.max() + scene.rules + of_options])
 
 
 def without_network(loaded: Loaded) -> Loaded:
     """Return weights by which the values of places are the planner's costs alone."""
-    silent = {"out": np.zeros_like(loaded.weights.out), "out_bias": np.zeros_like(loaded.weights.out_bias)}
+    last = ("out", "out_bias", "option_out", "option_out_bias")
+    silent = {name: np.zeros_like(array) for name, array in loaded.weights._asdict().items() if name in last}
     return loaded._replace(weights=loaded.weights._replace(**silent), prior=1.0)
 
 
-def with_task_inputs(weights: NetworkWeights) -> NetworkWeights:
-    """Return weights of a network that sees the task's inputs too, and makes nothing of them."""
-    of_places, of_all = weights.first[:PLACE], weights.first[PLACE:]
-    (place, common), (plain_place, plain_common) = input_sizes(True), input_sizes(False)
-    unseen = [
-        np.zeros((more, weights.first.shape[1]), np.float32) for more in (place - plain_place, common - plain_common)
-    ]
-    return weights._replace(first=np.concatenate([of_places, unseen[0], of_all, unseen[1]]))
+def grown(loaded: Loaded, untrained: Weights, task: bool) -> Weights:
+    """Return weights by which places have the same values, with the inputs and options of an untrained network.
+
+    Nothing is made of inputs that ``loaded`` has not; ``task`` tells whether the untrained network sees the task's.
+    """
+    first = loaded.weights.first
+    place, grown_place = input_sizes(loaded.task)[0], input_sizes(task)[0]
+    unseen = np.zeros((len(untrained.first) - len(first), first.shape[1]), np.float32)
+    of_places, of_all = np.split(unseen, [grown_place - place])
+    known = {**loaded.weights._asdict(), "first": np.concatenate([first[:place], of_places, first[place:], of_all])}
+    return untrained._replace(**known)
 
 
 def write_weights(path: Path, loaded: Loaded) -> None:
@@ -136,7 +190,9 @@ def load_weights(path: Path) -> Loaded:
             bool(about["others"]),
             int(about.get("lookouts", 0)),
             bool(about.get("task", False)),
+            bool(about.get("options", False)),
         )
     )
+    *_, task, options = settings
     width = file.arrays["second_bias"].size if "second_bias" in file.arrays else WIDTH
-    return Loaded(NetworkWeights(**file.checked(shapes(width, settings[-1]))), *settings)
+    return Loaded(layout_of(options)(**file.checked(shapes(width, task, options))), *settings)

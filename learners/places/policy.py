@@ -6,71 +6,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
-from indoor_explorers.env.grid.arrays import Cell
-from indoor_explorers.env.policies.policy import Policy
-from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.env.policies.policy import Pilot, Policy
+from indoor_explorers.env.policies.view import Briefing
 from indoor_explorers.env.provenance import joined, record_of, recorded_maps
-from indoor_explorers.learners.places.network import Loaded, load_weights, values, without_network
-from indoor_explorers.learners.places.scene import OTHERS, Observer, Scene
+from indoor_explorers.learners.places.network import load_weights, without_network
+from indoor_explorers.learners.places.option_pilots import with_options
+from indoor_explorers.learners.places.pilot import PlacesPilot
 from indoor_explorers.learners.sessions.record import digest_of
-from indoor_explorers.planners.toolbox.information.lookouts import LookoutPilot
 from indoor_explorers.planners.toolbox.networks.weights_file import weights_path
 from indoor_explorers.planners.toolbox.parameters import bounded
-from indoor_explorers.planners.toolbox.pockets.estimates import DEFAULT_FILES, EstimateFiles
 from indoor_explorers.planners.toolbox.pockets.outlook import LevelEstimateUser
-
-#: A goal is kept for this many lidar ranges of flight, unless it has no gain left before.
-KEEP = 1.0
-
-
-class PlacesPilot(LookoutPilot):
-    """Choose among the places, and fly to the one of highest value.
-
-    Args:
-        briefing: Briefing of the UAV.
-        loaded: The network.
-        sector: Preference for the own sector while teammates were never heard.
-        files: Files of the estimates' weights.
-
-    """
-
-    changes_levels: ClassVar[bool] = True
-    straight = True
-
-    def __init__(
-        self, briefing: Briefing, loaded: Loaded, sector: float = 0.0, files: EstimateFiles = DEFAULT_FILES
-    ) -> None:
-        super().__init__(briefing)
-        self._loaded = loaded
-        self._observer = Observer(
-            self, guess=loaded.guess, lookouts=loaded.lookouts, task=loaded.task, sector=sector, files=files
-        )
-        self.lookouts = self._observer.lookouts
-        self.replan_period = self.steps_in(KEEP)
-
-    def choose(self, view: View) -> Cell | None:
-        """Return the place of highest value."""
-        scene = self._observer.observe(view)
-        if scene is None:
-            return None
-        if not self._loaded.others:
-            scene.places[:, OTHERS] = 0.0
-        return divmod(int(scene.cells[self.pick(view, scene)]), self.paths.width)
-
-    def pick(self, view: View, scene: Scene) -> int:
-        """Return the number of the chosen place."""
-        worth = values(scene, self._loaded)
-        if self.explaining:
-            self.consider(
-                scene.cells,
-                "network, less the weighted cost to frontier-predictive",
-                worth,
-                network=worth + self._loaded.prior * scene.costs,
-                cost=scene.costs,
-                steps=scene.steps * self.briefing.lidar_range,
-            )
-        return int(worth.argmax())
-
 
 #: The weights that ship.
 SHIPPED = Path(__file__).parent / "weights" / "places.safetensors"
@@ -86,6 +31,11 @@ class DddqnPlaces(LevelEstimateUser, Policy):
     orders in which ``frontier-predictive`` would visit them (:mod:`indoor_explorers.learners.places.scene`). It is
     trained by policy iteration with double and dueling estimates
     (:mod:`indoor_explorers.learners.places.learning`). Only the draws of deadlocks between UAVs are random.
+
+    Weights that were trained with ``options`` value besides places what else a UAV can do
+    (:class:`~indoor_explorers.learners.places.options.Option`): report to a home base, stay as a relay, close a loop.
+    In terms of R. S. Sutton, D. Precup, S. Singh, "Between MDPs and semi-MDPs", Artificial Intelligence 112, 1999,
+    places are options too. The weights that ship have none.
 
     Double estimation: H. van Hasselt, "Double Q-learning", NeurIPS 2010; dueling networks: Wang et al. 2016,
     arXiv:1511.06581; advantages: Schulman et al. 2016, arXiv:1506.02438, and Pan et al. 2022, arXiv:2109.06093; layers
@@ -117,13 +67,14 @@ class DddqnPlaces(LevelEstimateUser, Policy):
         """The path of the weights."""
         return weights_path(self.weights, SHIPPED, NAME)
 
-    def pilot(self, briefing: Briefing) -> PlacesPilot:
+    def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV for one episode."""
         loaded = load_weights(self.path)
         if self.lookouts is not None:
             loaded = loaded._replace(lookouts=self.lookouts)
         network = loaded if self.network else without_network(loaded)
-        return PlacesPilot(briefing, network, self.sector, self.estimate_files)
+        pilot = PlacesPilot(briefing, network, self.sector, self.estimate_files)
+        return with_options(pilot, self, self.estimate_files) if loaded.options else pilot
 
     def provenance(self) -> dict[str, str]:
         """Return the hashes of the network's weights and of those of the estimates."""

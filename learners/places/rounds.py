@@ -8,7 +8,7 @@ import signal
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, ClassVar, Generic, NamedTuple, TypeVar
+from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 from pydantic import Field
@@ -69,8 +69,6 @@ class RoundsTraining(Trainee, Generic[Settings, Weights]):
 
     unit = "rounds"
     steps = 0
-    layout: ClassVar[type[Any]]
-    """The named tuple of a network's arrays."""
 
     def __init__(self, config: Settings, seed: int, folder: Path, checkpoint: Path | None = None) -> None:
         self.config, self.seed, self.folder = config, seed, folder / FLIGHTS
@@ -84,6 +82,11 @@ class RoundsTraining(Trainee, Generic[Settings, Weights]):
         else:
             self._restore(checkpoint)
         self.steps = self.rounds * config.flights
+
+    @property
+    @abstractmethod
+    def layout(self) -> type[Any]:
+        """The named tuple of a network's arrays."""
 
     @abstractmethod
     def untrained(self) -> Weights:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import Mask
 from indoor_explorers.env.grid.cells import FREE, UNREACHABLE
 from indoor_explorers.env.policies.view import Mate, View
+from indoor_explorers.learners.places.options import OPTION_COMMON, Options
 from indoor_explorers.learners.places.task_inputs import TASK_COMMON, TASK_PLACE, TaskInputs
 from indoor_explorers.planners.toolbox.coordination.out_of_contact import OutOfContact
 from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters
@@ -59,14 +60,14 @@ Numbers = NDArray[np.float64]
 
 
 class Scene(NamedTuple):
-    """K places to choose from."""
+    """K places to choose from, and perhaps O options."""
 
     cells: NDArray[np.int32]
     """(K,) flat cells."""
     places: NDArray[np.float32]
     """(K, PLACE) numbers about each place; with the task's inputs ``TASK_PLACE`` more."""
     common: NDArray[np.float32]
-    """(COMMON,) numbers about all of them; with the task's inputs ``TASK_COMMON`` more."""
+    """(COMMON,) numbers about all of them; with the task's inputs ``TASK_COMMON`` more, with options their numbers."""
     costs: NDArray[np.float32]
     """(K,) cost of the best order that begins there above the cheapest order, to ``frontier-predictive``."""
     owner: NDArray[np.int64]
@@ -75,11 +76,20 @@ class Scene(NamedTuple):
     """(K,) distances from the UAV in lidar ranges."""
     between: Numbers
     """(K, K) distances between the places in lidar ranges."""
+    rules: NDArray[np.float32] = np.empty(0, np.float32)
+    """(O,) values of the options to rules; -inf where there is none."""
+
+    def with_options(self, options: Options) -> Scene:
+        """Return the scene with options."""
+        return self._replace(common=np.concatenate([self.common, options.numbers]), rules=options.rules)
 
 
-def input_sizes(task: bool) -> tuple[int, int]:
-    """Return how many numbers a network sees about a place and about all of them, with or without the task's inputs."""
-    return (PLACE + TASK_PLACE, COMMON + TASK_COMMON) if task else (PLACE, COMMON)
+def input_sizes(task: bool, options: bool = False) -> tuple[int, int]:
+    """Return how many numbers a network sees about a place and about all of them.
+
+    ``task`` and ``options`` tell whether it has the task's inputs, and those of the options.
+    """
+    return PLACE + TASK_PLACE * task, COMMON + TASK_COMMON * task + OPTION_COMMON * options
 
 
 class _Candidates(NamedTuple):

@@ -30,9 +30,10 @@ from indoor_explorers.learners.places.model import AdvantageNet, load_into, weig
 from indoor_explorers.learners.places.network import (
     WIDTH,
     Loaded,
-    NetworkWeights,
+    Weights,
+    grown,
+    layout_of,
     load_weights,
-    with_task_inputs,
     write_weights,
 )
 from indoor_explorers.learners.places.policy import NAME, SHIPPED
@@ -67,6 +68,10 @@ class TrainingConfig(RoundSettings):
     """Share of the flights over one level in harder tasks: narrow views, errors of sensors and poses, failures."""
     task_inputs: bool = False
     """Show the network what is harder about the task, and where teammates fly."""
+    bases: float = Field(0.0, ge=0.0, le=1.0)
+    """Share of the flights over one level with a home base and a deadline."""
+    options: bool = False
+    """Let the network choose between places, reports to a base, staying as a relay, and loop closures."""
     initial_weights: str | None = None
     """Path of a training's folder, or of weights, to begin with, or ``shipped`` for the shipped ones. None: none, the
     network begins as the planner."""
@@ -88,8 +93,8 @@ class TrainingConfig(RoundSettings):
         return self
 
     @property
-    def initial(self) -> NetworkWeights | None:
-        """The weights that the training begins with, if any, with zeros for inputs that they do not have.
+    def initial(self) -> Loaded | None:
+        """The weights that the training begins with, if any.
 
         Raises :class:`InputError` where they are missing or of a network with other settings.
         """
@@ -99,12 +104,13 @@ class TrainingConfig(RoundSettings):
         loaded = load_weights(path)
         asked = {"prior": self.prior, "guess": self.guess, "others": self.others, "width": self.width}
         found = {name: getattr(loaded, name) for name in asked}
-        if found != asked or loaded.task > self.task_inputs:
+        inputs, seen = (self.task_inputs, self.options), (loaded.task, loaded.options)
+        if found != asked or not (seen == inputs or (loaded.task <= self.task_inputs and not loaded.options)):
             raise InputError(
-                f"{path}: expected weights of a network with {asked} and task inputs {self.task_inputs}, got "
-                f"{found} and {loaded.task}; give the training these settings, or other weights"
+                f"{path}: expected weights of a network with {asked}, task inputs {inputs[0]} and options {inputs[1]}, "
+                f"got {found}, {seen[0]} and {seen[1]}; give the training these settings, or other weights"
             )
-        return with_task_inputs(loaded.weights) if self.task_inputs > loaded.task else loaded.weights
+        return loaded
 
     @property
     def _initial_path(self) -> Path | None:
@@ -123,30 +129,32 @@ class TrainingConfig(RoundSettings):
 
 
 def fly_seeds(
-    maps: TrainingMaps, loaded: Loaded, files: EstimateFiles, harder: float, path: Path, seeds: range
+    maps: TrainingMaps, loaded: Loaded, files: EstimateFiles, harder: float, bases: float, path: Path, seeds: range
 ) -> None:
     """Fly a network, a flight for each seed, and write the choices to a file."""
-    write_choices(path, choices_of([fly(maps, seed, loaded, files, harder) for seed in seeds]))
+    write_choices(path, choices_of([fly(maps, seed, loaded, files, harder, bases) for seed in seeds]))
 
 
-class PlacesTraining(RoundsTraining[TrainingConfig, NetworkWeights]):
+class PlacesTraining(RoundsTraining[TrainingConfig, Weights]):
     """Alternate flights and learning."""
 
-    layout = NetworkWeights
+    @property
+    def layout(self) -> type[Any]:
+        """The named tuple of the network's arrays."""
+        return layout_of(self.config.options)
 
-    def untrained(self) -> NetworkWeights:
-        """Return the initial weights, or those of a network that leaves the values to the planner's costs."""
+    def untrained(self) -> Weights:
+        """Return the initial weights, or those of a network that leaves the values to planners and rules."""
         torch.manual_seed(self.seed)
-        return self.config.initial or weights_of(self._network())
+        network, initial = weights_of(self._network()), self.config.initial
+        return grown(initial, network, self.config.task_inputs) if initial else network
 
     def flying(self) -> Callable[[Path, range], None]:
         """Return the function that flies the latest network."""
-        config = self.config
-        return partial(
-            fly_seeds, self.maps, self._loaded(self.networks[-1]), config.estimate_files, config.harder_tasks
-        )
+        config, latest = self.config, self._loaded(self.networks[-1])
+        return partial(fly_seeds, self.maps, latest, config.estimate_files, config.harder_tasks, config.bases)
 
-    def learned(self, paths: Sequence[Path]) -> tuple[NetworkWeights, dict[str, int | float]]:
+    def learned(self, paths: Sequence[Path]) -> tuple[Weights, dict[str, int | float]]:
         """Return the next network, and figures of the round."""
         torch.manual_seed(1000 * self.seed + self.rounds)
         choices = read_choices(paths)
@@ -166,14 +174,16 @@ class PlacesTraining(RoundsTraining[TrainingConfig, NetworkWeights]):
         Leads to Wider Optima and Better Generalization", arXiv:1803.05407).
         """
         layers = zip(*self.networks[min(AVERAGED_FROM, self.rounds) :], strict=True)
-        return self._loaded(NetworkWeights(*(np.mean(layer, axis=0) for layer in layers)))
+        return self._loaded(self.layout(*(np.mean(layer, axis=0) for layer in layers)))
 
-    def _loaded(self, weights: NetworkWeights) -> Loaded:
+    def _loaded(self, weights: Weights) -> Loaded:
         config = self.config
-        return Loaded(weights, config.prior, config.guess, config.others, config.lookouts, config.task_inputs)
+        settings = config.prior, config.guess, config.others, config.lookouts, config.task_inputs, config.options
+        return Loaded(weights, *settings)
 
     def _network(self) -> AdvantageNet:
-        return AdvantageNet(self.config.width, self.config.task_inputs)
+        config = self.config
+        return AdvantageNet(config.width, config.task_inputs, config.options, config.prior)
 
     def write(self, folder: Path) -> None:
         """Write the network that is flown."""

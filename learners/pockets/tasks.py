@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -30,6 +31,19 @@ LARGEST: dict[str, dict[str, float]] = {
     "stops": {"failures.hazard": 0.003},
 }
 
+#: Lidar ranges in cells and numbers of UAVs of tasks with a home base, each with their shares of the flights.
+BASE_RANGES, BASE_RANGE_SHARES = (10.0, 7.0, 14.0), (0.8, 0.1, 0.1)
+BASE_TEAMS, BASE_TEAM_SHARES = (1, 2, 4), (0.2, 0.45, 0.35)
+#: The radios of teams with a home base, with their shares.
+BASE_RADIOS: tuple[dict[str, Any], ...] = (
+    {"radio.model": "disc", "radio.range": 15.0},
+    {"radio.model": "unlimited"},
+    {"radio.model": "none"},
+)
+BASE_RADIO_SHARES = (0.8, 0.1, 0.1)
+#: Least and most budget with a home base, in free cells by lidar range and team.
+SHORTEST, LONGEST = 3.5, 11.0
+
 
 def lidar_over_levels(plan: Floorplan, rng: np.random.Generator) -> dict[str, Any]:
     """Return the settings of a lidar that is drawn at random for a map of several levels."""
@@ -54,3 +68,13 @@ def harder_settings(team: int, rng: np.random.Generator) -> dict[str, Any]:
             "failures.radio_outage": int(rng.integers(20, 61)),
         }
     return {name: float(rng.uniform(0.0, most)) for name, most in LARGEST[kind].items()}
+
+
+def base_settings(free: int, rng: np.random.Generator) -> dict[str, Any]:
+    """Return the settings of a task with a home base and a deadline, on a map of so many ``free`` cells, at random."""
+    reach = float(rng.choice(BASE_RANGES, p=BASE_RANGE_SHARES))
+    team = int(rng.choice(BASE_TEAMS, p=BASE_TEAM_SHARES))
+    length = math.exp(rng.uniform(math.log(SHORTEST), math.log(LONGEST)))
+    radio = BASE_RADIOS[rng.choice(len(BASE_RADIOS), p=BASE_RADIO_SHARES)] if team > 1 else {}
+    base = {"base.at": "start", "base.must_return": True}
+    return {"lidar.range": reach, "team": team, "budget": int(length * free / reach / team), **base, **radio}

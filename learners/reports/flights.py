@@ -20,6 +20,7 @@ from indoor_explorers.env.scenarios.presets import on_files
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
 from indoor_explorers.env.simulation.world import World
 from indoor_explorers.learners.pockets.maps import TrainingMaps
+from indoor_explorers.learners.pockets.tasks import base_settings
 from indoor_explorers.learners.reports.network import NetworkWeights, value
 from indoor_explorers.learners.reports.policy import ReportsPilot
 from indoor_explorers.learners.reports.situation import HIGHEST_LATE_COST, NUMBERS, POINTS, Situation
@@ -27,18 +28,6 @@ from indoor_explorers.planners.toolbox.networks.tensors import read_tensors, wri
 
 #: Least and most free cells of a training map.
 FEWEST, LARGEST = 600, 4200
-#: Lidar ranges in cells and numbers of UAVs, each with their shares of the flights.
-RANGES, RANGE_SHARES = (10.0, 7.0, 14.0), (0.8, 0.1, 0.1)
-TEAMS, TEAM_SHARES = (1, 2, 4), (0.2, 0.45, 0.35)
-#: The radios of teams, with their shares.
-RADIOS: tuple[dict[str, Any], ...] = (
-    {"radio.model": "disc", "radio.range": 15.0},
-    {"radio.model": "unlimited"},
-    {"radio.model": "none"},
-)
-RADIO_SHARES = (0.8, 0.1, 0.1)
-#: Least and most budget, in free cells by lidar range and team.
-SHORTEST, LONGEST = 3.5, 11.0
 #: Number of the random numbers of a flight beside its seed.
 STREAM = 17
 #: Coverage that the base is to know at the deadline.
@@ -129,11 +118,7 @@ def task(maps: TrainingMaps, rng: np.random.Generator) -> tuple[Floorplan, dict[
     while not FEWEST <= free <= LARGEST:
         plan = maps.draw(rng)
         free = int(np.count_nonzero(plan.truth == FREE))
-    reach, team = float(rng.choice(RANGES, p=RANGE_SHARES)), int(rng.choice(TEAMS, p=TEAM_SHARES))
-    length = math.exp(rng.uniform(math.log(SHORTEST), math.log(LONGEST)))
-    radio = RADIOS[rng.choice(len(RADIOS), p=RADIO_SHARES)] if team > 1 else {}
-    base = {"base.at": "start", "base.must_return": True}
-    return plan, {"lidar.range": reach, "team": team, "budget": int(length * free / reach / team), **base, **radio}
+    return plan, base_settings(free, rng)
 
 
 def draw_late_cost(rng: np.random.Generator) -> float:
@@ -153,17 +138,24 @@ def fly(maps: TrainingMaps, explorer: str, weights: NetworkWeights, clear: float
     world.begin(0, seed, floorplan=plan)
     late_cost = draw_late_cost(rng)
     recorder = _Recorder(explorer=explorer, weights=weights, late_cost=late_cost, clear=clear, rng=rng, choices={})
-    covered = [(world.base_coverage[0], world.team_coverage[0])]
-    for _ in rollout(world, ask_pilots(recorder, make_pilots(recorder, world), world)):
-        covered.append((world.base_coverage[0], world.team_coverage[0]))
-    budget = int(world.state.budget[0])
-    covered += covered[-1:] * (budget + 1 - len(covered))
-    coverage, total = np.array(covered), int(world.state.total[0])
+    coverage, total = flown_coverage(world, recorder), int(world.state.total[0])
     uavs: Sequence[list[Choice]] = [*recorder.choices.values()] or [[]]
     reach, base = settings["lidar.range"], coverage[:, 0]
     team = world.scenario.team
     whole = joined([as_arrays(each, coverage, late_cost, total, team, reach) for each in uavs])
     return whole._replace(results=np.array([[base[1:].mean(), base[-1] >= ENOUGH]]))
+
+
+def flown_coverage(world: World, policy: Policy) -> NDArray[np.float64]:
+    """Fly a policy to the end; return the coverage of the base and of the team at each step of the budget, (B + 1, 2).
+
+    After the end of the flight it stays as it is.
+    """
+    covered = [(world.base_coverage[0], world.team_coverage[0])]
+    for _ in rollout(world, ask_pilots(policy, make_pilots(policy, world), world)):
+        covered.append((world.base_coverage[0], world.team_coverage[0]))
+    covered += covered[-1:] * (int(world.state.budget[0]) + 1 - len(covered))
+    return np.array(covered)
 
 
 def points_lost(coverage: float, late_cost: float) -> float:
@@ -173,6 +165,38 @@ def points_lost(coverage: float, late_cost: float) -> float:
     """
     missing = max(0.0, ENOUGH - coverage)
     return late_cost / 2.0 * (float(missing > 0.0) + min(1.0, missing / MISSING))
+
+
+def points_lost_until(base: NDArray[np.float64], late_cost: float) -> NDArray[np.float64]:
+    """Return the points lost until each step of the budget, (B + 1,), from the coverage of the base (B + 1,).
+
+    Those of the deadline are lost at the last step. All are scaled, so that those of flights with a high late cost do
+    not outweigh the others.
+    """
+    lost = np.concatenate([[0.0], np.cumsum(1.0 - base[1:])]) / (len(base) - 1) * POINTS
+    lost[-1] += points_lost(base[-1], late_cost)
+    return np.asarray(lost * (POINTS / (POINTS + late_cost)))
+
+
+def true_state(
+    coverage: NDArray[np.float64],
+    steps: NDArray[np.int64],
+    known: NDArray[np.int64],
+    total: int,
+    team: int,
+    lidar_range: float,
+) -> NDArray[np.float32]:
+    """Return the true state at C choices, (C, TRUE): see :attr:`Choices.true`.
+
+    ``coverage`` (B + 1, 2) is that of the base and of the team at each step of the budget, ``total`` the number of
+    cells, ``known`` (C,) those that the UAV knew at its choices after ``steps`` (C,).
+    """
+    at, left = coverage[steps], np.maximum(1, len(coverage) - 1 - steps)
+    rate = (1.0 - at[:, 1]) * total / left / team / lidar_range
+    whole = np.ones(len(steps))
+    length = (len(coverage) - 1) * team * lidar_range / total / 10.0
+    true = np.column_stack([at, known / total, whole * total / 4000.0, rate, whole * length])
+    return true.astype(np.float32)
 
 
 def as_arrays(
@@ -186,24 +210,16 @@ def as_arrays(
     """Return the C choices of one UAV, without results.
 
     ``coverage`` (B + 1, 2) is that of the base and of the team at each step of the budget, ``total`` the number of
-    cells. Points are scaled, so that those of flights with a high late cost do not outweigh the others.
+    cells.
     """
-    base, budget = coverage[:, 0], len(coverage) - 1
-    steps = np.array([*(choice.step for choice in choices), budget])
-    unknown = np.concatenate([[0.0], np.cumsum(1.0 - base[1:])]) / budget * POINTS
-    rewards = -np.diff(unknown[steps])
-    rewards[-1:] -= points_lost(base[-1], late_cost)
-    rewards *= POINTS / (POINTS + late_cost)
+    steps = np.array([*(choice.step for choice in choices), len(coverage) - 1])
+    rewards = -np.diff(points_lost_until(coverage[:, 0], late_cost)[steps])
     known = np.array([choice.known for choice in choices], np.int64)
-    at = coverage[steps[:-1]]
-    rate = (1.0 - at[:, 1]) * total / np.maximum(1, budget - steps[:-1]) / team / lidar_range
-    whole = np.ones(len(choices))
-    length = budget * team * lidar_range / total / 10.0
-    true = np.column_stack([at, known / total, whole * total / 4000.0, rate, whole * length])
+    true = true_state(coverage, steps[:-1], known, total, team, lidar_range)
     return Choices(
         np.array([choice.situation.numbers for choice in choices], np.float32).reshape(-1, NUMBERS),
         np.array([choice.situation.rule for choice in choices], np.float32),
-        true.astype(np.float32),
+        true,
         np.array([choice.probability for choice in choices], np.float32),
         np.array([choice.home for choice in choices], np.bool_),
         rewards.astype(np.float32),

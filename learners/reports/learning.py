@@ -61,7 +61,8 @@ class AdvantageNet(nn.Sequential):
 
 def advantages(choices: Choices, values: NDArray[np.float32], later: float) -> NDArray[np.float32]:
     """Return the advantages of the choices, (C,), in points; ``later`` 1 gives the return less ``values`` (C,)."""
-    return discounted_surprises(choices.rewards, choices.durations, choices.lengths, values, later, 1.0)
+    discounts = np.ones_like(values)
+    return discounted_surprises(choices.rewards, choices.durations, choices.lengths, values, later, discounts)
 
 
 def learn_values(choices: Choices) -> NDArray[np.float32]:

@@ -74,10 +74,14 @@ class ReportingPilot(Pilot):
         elif self._returning:
             action = self._fly_home(view)
         else:
-            action = self._explorer.act([self._pilot], [view._replace(mates=without_added(view.mates, ADDED))])[0]
+            action = self._explore(view)
         own = None if self._returning else self._pilot.message
         self.message = with_added(own, self.home, self._returning)
         return action
+
+    def _explore(self, view: View) -> int:
+        """Return the explorer's action."""
+        return self._explorer.act([self._pilot], [view._replace(mates=without_added(view.mates, ADDED))])[0]
 
     def _observe(self, view: View) -> None:
         """Update the known and reported cells, and the path home."""
@@ -98,13 +102,16 @@ class ReportingPilot(Pilot):
         self.reported, self.waited = self.known, 0
 
     def _decide(self, view: View) -> None:
-        """Begin to fly home where it is time, or leave it to a teammate that is nearer."""
+        """Fly home, or leave it to a teammate, where it is time."""
         nothing_new = self.known == self.reported and not self._is_late(view)
         if view.base_age == 0 or self.home >= UNREACHABLE or nothing_new:
             self._returning = False
             return
-        if not (self._returning or self._is_time(view)):
-            return
+        if self._returning or self._is_time(view):
+            self._send_home(view)
+
+    def _send_home(self, view: View) -> None:
+        """Begin, or go on, to fly home, or leave it to a teammate that is nearer."""
         nearer = [mate for mate in view.mates if mate.age == 0 and home_of(mate) < (self.home, self.briefing.agent)]
         if nearer:
             self._has_reported()

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env import World, make_policy, scenario
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
-from indoor_explorers.learners.places.flights import ChoiceArrays
+from indoor_explorers.learners.places.flights import DISCOUNT, ChoiceArrays
 from indoor_explorers.learners.places.scene import COMMON, MOST, PLACE, Scene
 from indoor_explorers.learners.places.truth import TRUE_COMMON, TRUE_PLACE
 
@@ -53,6 +53,7 @@ def random_choices(count: int, there: int = 3, uav: int = 4) -> ChoiceArrays:
         "chosen": rng.integers(there, size=count),
         "rewards": -rng.uniform(0.5, 1.5, count).astype(np.float32),
         "durations": rng.uniform(0.5, 2.0, count).astype(np.float32),
+        "discounts": np.full(count, DISCOUNT, np.float32),
     }
     flights = count // uav
     return ChoiceArrays(arrays, np.full(flights, uav), np.arange(flights), rng.uniform(1.0, 3.0, (flights, 2)))

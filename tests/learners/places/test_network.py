@@ -7,30 +7,56 @@ import torch
 from indoor_explorers.env import InputError
 from indoor_explorers.learners.places.model import AdvantageNet, Batch, load_into, weights_of
 from indoor_explorers.learners.places.network import WIDTH, Loaded, load_weights, shapes, values, write_weights
+from indoor_explorers.learners.places.options import OPTION_COMMON, Options
+from indoor_explorers.learners.places.scene import Scene
 from indoor_explorers.learners.places.truth import TRUE_COMMON, TRUE_PLACE
 from indoor_explorers.planners.toolbox.networks.tensors import write_tensors
 from tests.learners.places.small import random_scene
 
 
-def some_network(seed: int = 0, width: int = WIDTH) -> AdvantageNet:
+def some_network(seed: int = 0, width: int = WIDTH, options: bool = False) -> AdvantageNet:
     torch.manual_seed(seed)
-    network = AdvantageNet(width)
+    network = AdvantageNet(width, options=options, prior=0.5)
     torch.nn.init.normal_(network.out.weight)
+    if options:
+        torch.nn.init.normal_(network.option_out.weight)
     return network
 
 
-def test_it_computes_what_torch_computes() -> None:
-    network, scene = some_network(), random_scene(5)
+def with_some_options(scene: Scene) -> Scene:
+    """With two options of three, and the rules' values of these."""
+    numbers = np.random.default_rng(7).normal(size=OPTION_COMMON).astype(np.float32)
+    return scene.with_options(Options(numbers, np.array([0.5, -np.inf, 2.0], np.float32)))
+
+
+@pytest.mark.parametrize("options", [False, True])
+def test_it_computes_what_torch_computes(options: bool) -> None:
+    network, scene = some_network(options=options), random_scene(5)
+    scene = with_some_options(scene) if options else scene
     padded = [np.zeros((1, 12, *each.shape[1:]), np.float32) for each in (scene.places, scene.costs)]
     padded[0][0, :5], padded[1][0, :5] = scene.places, scene.costs
-    there = torch.arange(12)[None] < 5
+    there = torch.cat([torch.arange(12) < 5, torch.from_numpy(np.isfinite(scene.rules))])[None]
     places, costs = map(torch.from_numpy, padded)
     nothing = torch.zeros(1, 12, TRUE_PLACE), torch.zeros(1, TRUE_COMMON)
     batch = Batch(places, torch.from_numpy(scene.common)[None], there, costs, *nothing)
     with torch.no_grad():
-        expected = network(batch)[0, :5].numpy() - 0.5 * scene.costs
-    found = values(scene, Loaded(weights_of(network), 0.5, guess=True, others=True))
-    np.testing.assert_allclose(found, expected, rtol=1e-4, atol=1e-5)
+        whole = network(batch)[0].numpy()
+    assert (whole[5:12] == 0.0).all()
+    expected = np.concatenate([whole[:5] - 0.5 * scene.costs, whole[12:] + scene.rules])
+    found = values(scene, Loaded(weights_of(network), 0.5, guess=True, others=True, options=options))
+    np.testing.assert_allclose(found, expected, rtol=1e-4, atol=1e-4)
+    assert len(found) == 5 + 3 * options
+
+
+def test_options_are_compared_with_the_best_place() -> None:
+    """Whatever the level of the places' values, rules of a silent network decide."""
+    network = some_network(options=True)
+    torch.nn.init.zeros_(network.option_out.weight)
+    torch.nn.init.constant_(network.out.bias, 100.0)
+    found = values(
+        with_some_options(random_scene(5)), Loaded(weights_of(network), 0.5, guess=True, others=True, options=True)
+    )
+    np.testing.assert_allclose(found[5:] - found[:5].max(), [0.5, -np.inf, 2.0], atol=1e-4)
 
 
 def test_the_order_of_the_places_does_not_matter() -> None:
@@ -40,14 +66,15 @@ def test_the_order_of_the_places_does_not_matter() -> None:
     np.testing.assert_allclose(values(mixed, loaded), values(scene, loaded)[order], rtol=1e-5)
 
 
-@pytest.mark.parametrize("width", [WIDTH, 24])
-def test_weights_are_kept_in_files(tmp_path: Path, width: int) -> None:
-    loaded = Loaded(weights_of(some_network(width=width)), 0.25, guess=False, others=True, lookouts=8)
+@pytest.mark.parametrize(("width", "options"), [(WIDTH, False), (24, False), (24, True)])
+def test_weights_are_kept_in_files(tmp_path: Path, width: int, options: bool) -> None:
+    weights = weights_of(some_network(width=width, options=options))
+    loaded = Loaded(weights, 0.25, guess=False, others=True, lookouts=8, options=options)
     write_weights(tmp_path / "a.safetensors", loaded)
     found = load_weights(tmp_path / "a.safetensors")
     assert found[1:] == loaded[1:]
     assert all(np.array_equal(a, b) for a, b in zip(found.weights, loaded.weights, strict=True))
-    again = some_network(1, width)
+    again = some_network(1, width, options)
     load_into(again, found.weights)
     assert all(np.array_equal(a, b) for a, b in zip(weights_of(again), loaded.weights, strict=True))
 

@@ -6,7 +6,8 @@ import pytest
 
 from indoor_explorers.env import InputError, make_policy
 from indoor_explorers.learners.places.network import Loaded, load_weights, write_weights
-from indoor_explorers.learners.places.policy import SHIPPED, DddqnPlaces, PlacesPilot
+from indoor_explorers.learners.places.pilot import PlacesPilot
+from indoor_explorers.learners.places.policy import SHIPPED, DddqnPlaces
 from indoor_explorers.learners.places.scene import OTHERS, Scene
 from tests.learners.places.small import world_on_a_floor
 from tests.learners.places.test_scene import no_weights, pilot_of
@@ -20,7 +21,7 @@ def seen_of_others(loaded: Loaded, monkeypatch: pytest.MonkeyPatch) -> np.ndarra
         seen.append(scene.places[:, OTHERS].copy())
         return -scene.costs
 
-    monkeypatch.setattr("indoor_explorers.learners.places.policy.values", noted)
+    monkeypatch.setattr("indoor_explorers.learners.places.pilot.values", noted)
     world = world_on_a_floor()
     pilot = PlacesPilot(world.briefing(0, 0), loaded)
     pilot.act(world.view(0, 0))
@@ -46,7 +47,9 @@ def test_lookouts_are_as_in_the_training_unless_others_are_asked_for(tmp_path: P
     write_weights(tmp_path / "places.safetensors", load_weights(SHIPPED)._replace(lookouts=8))
 
     def lookouts(**parameters: Any) -> int:
-        return DddqnPlaces(**parameters).pilot(briefing)._loaded.lookouts
+        pilot = DddqnPlaces(**parameters).pilot(briefing)
+        assert isinstance(pilot, PlacesPilot)
+        return pilot._loaded.lookouts
 
     assert [lookouts(), lookouts(lookouts=4)] == [0, 4]
     assert [lookouts(weights=str(tmp_path)), lookouts(weights=str(tmp_path), lookouts=0)] == [8, 0]

@@ -6,7 +6,7 @@ import pytest
 from indoor_explorers.env import World
 from indoor_explorers.env.grid.cells import FREE
 from indoor_explorers.learners.places.network import Loaded, NetworkWeights, shapes
-from indoor_explorers.learners.places.policy import PlacesPilot
+from indoor_explorers.learners.places.pilot import PlacesPilot
 from indoor_explorers.learners.places.scene import (
     COMMON,
     COSTLIEST,

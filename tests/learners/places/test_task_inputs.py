@@ -197,7 +197,7 @@ def test_a_training_begins_with_the_weights_of_another(tmp_path: Path) -> None:
     np.testing.assert_allclose(values(scene, begun), values(plain, shipped), rtol=1e-5, atol=1e-6)
     same = TrainingConfig(initial_weights="shipped").initial
     assert same is not None
-    assert all(np.array_equal(a, b) for a, b in zip(same, shipped.weights, strict=True))
+    assert all(np.array_equal(a, b) for a, b in zip(same.weights, shipped.weights, strict=True))
     write_weights(tmp_path / "places.safetensors", begun)
     assert TrainingConfig(initial_weights=str(tmp_path), task_inputs=True).initial is not None
     for other in ({}, {"task_inputs": True, "width": 32}, {"task_inputs": True, "prior": 0.0}):

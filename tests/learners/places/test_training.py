@@ -11,9 +11,15 @@ from indoor_explorers.env import World, scenario
 from indoor_explorers.env.grid.cells import FREE, UNREACHABLE
 from indoor_explorers.env.grid.levels import Levels
 from indoor_explorers.env.search.bfs import distance_field
-from indoor_explorers.learners.places.flights import TrainingFlight, choices_of, fly, read_choices, write_choices
-from indoor_explorers.learners.places.learning import (
+from indoor_explorers.learners.places.flights import (
     DISCOUNT,
+    TrainingFlight,
+    choices_of,
+    fly,
+    read_choices,
+    write_choices,
+)
+from indoor_explorers.learners.places.learning import (
     advantages,
     explained,
     learn_choices,

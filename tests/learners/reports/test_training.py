@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import torch
 
+from indoor_explorers.learners.pockets import tasks
 from indoor_explorers.learners.pockets.maps import TrainingMaps
 from indoor_explorers.learners.reports import flights
 from indoor_explorers.learners.reports.flights import (
@@ -114,7 +115,7 @@ def test_tasks_have_a_base_and_a_deadline():
         plan, settings = flights.task(TrainingMaps(), rng)
         free = np.count_nonzero(plan.truth == 1)
         length = settings["budget"] * settings["team"] * settings["lidar.range"] / free
-        assert flights.SHORTEST * 0.95 < length < flights.LONGEST
+        assert tasks.SHORTEST * 0.95 < length < tasks.LONGEST
         assert settings["base.must_return"]
 
 

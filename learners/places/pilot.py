@@ -1,0 +1,105 @@
+"""The pilot that flies to the place of highest value, unless it values an option beside the places more."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import ClassVar
+
+import numpy as np
+
+from indoor_explorers.env.grid.arrays import Cell
+from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.learners.places.network import Loaded, values
+from indoor_explorers.learners.places.options import Option, Options, no_options
+from indoor_explorers.learners.places.scene import OTHERS, Observer, Scene
+from indoor_explorers.planners.toolbox.information.lookouts import LookoutPilot
+from indoor_explorers.planners.toolbox.pockets.estimates import DEFAULT_FILES, EstimateFiles
+
+#: A goal is kept for this many lidar ranges of flight, unless it has no gain left before.
+KEEP = 1.0
+
+
+class PlacesPilot(LookoutPilot):
+    """Choose among the places, and fly to the one of highest value.
+
+    Args:
+        briefing: Briefing of the UAV.
+        loaded: The network.
+        sector: Preference for the own sector while teammates were never heard.
+        files: Files of the estimates' weights.
+
+    """
+
+    changes_levels: ClassVar[bool] = True
+    straight = True
+
+    def __init__(
+        self, briefing: Briefing, loaded: Loaded, sector: float = 0.0, files: EstimateFiles = DEFAULT_FILES
+    ) -> None:
+        super().__init__(briefing)
+        self._loaded = loaded
+        self._observer = Observer(
+            self, guess=loaded.guess, lookouts=loaded.lookouts, task=loaded.task, sector=sector, files=files
+        )
+        self.lookouts = self._observer.lookouts
+        self.replan_period = self.steps_in(KEEP)
+        self.observe_options: list[Callable[[Options], None]] = []
+        """What tells the options at a choice, of pilots that this one explores for."""
+        self._taken: Option | None = None
+        self._beyond = ""
+
+    def take_option(self, *among: Option) -> Option | None:
+        """Return which of some options this step's choice preferred to all places, only once; None if it did not."""
+        if self._taken not in among:
+            return None
+        taken, self._taken = self._taken, None
+        return taken
+
+    def choose_soon(self) -> None:
+        """Choose at the next step, although the last choice was less than a lidar range ago."""
+        self._next_choice = 0.0
+
+    def wants_replan(self, view: View) -> bool:
+        """Tell whether to choose again; with options also where the map has not grown."""
+        self._grew_since_choice |= bool(self.observe_options)
+        return super().wants_replan(view)
+
+    def choose(self, view: View) -> Cell | None:
+        """Return the place of highest value."""
+        scene = self._observer.observe(view)
+        if scene is None:
+            return None
+        if not self._loaded.others:
+            scene.places[:, OTHERS] = 0.0
+        self._taken = None
+        if self._loaded.options:
+            options = no_options()
+            for observe in self.observe_options:
+                observe(options)
+            scene = scene.with_options(options)
+        row = self.pick(view, scene)
+        if row >= len(scene.cells):
+            self._taken = Option(row - len(scene.cells))
+            row = int(values(scene, self._loaded)[: len(scene.cells)].argmax())
+        return divmod(int(scene.cells[row]), self.paths.width)
+
+    def pick(self, view: View, scene: Scene) -> int:
+        """Return the number of the chosen place, or that of an option behind all places."""
+        worth = values(scene, self._loaded)
+        if self.explaining:
+            of_places = worth[: len(scene.cells)]
+            self.consider(
+                scene.cells,
+                "network, less the weighted cost to frontier-predictive",
+                of_places,
+                network=of_places + self._loaded.prior * scene.costs,
+                cost=scene.costs,
+                steps=scene.steps * self.briefing.lidar_range,
+            )
+            beyond = zip(Option, worth[len(scene.cells) :] - of_places.max(), strict=False)
+            self._beyond = ", ".join(f"{each.name.lower()} {value:.2f}" for each, value in beyond if value > -np.inf)
+        return int(worth.argmax())
+
+    def note_on_choice(self) -> str:
+        """Return the values of the options at the latest choice beyond that of the best place."""
+        return self._beyond and f"beyond the best place: {self._beyond}"
