@@ -101,7 +101,7 @@ MISSING = 5.0
 #: Cost of a step before 90 % coverage, beyond that of every step, which is 1.
 EARLY = 0.5
 #: Lidar ranges of flight that a point costs where a home base waits.
-POINT = 2.0
+POINT = 3.0
 #: Discount factor per lidar range of flight; where a base waits what comes later counts as much.
 DISCOUNT = 0.99
 #: Coverage up to which a step costs more, and at which a flight ends.

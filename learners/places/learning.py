@@ -24,6 +24,7 @@ from torch.nn import functional
 
 from indoor_explorers.learners.places.flights import ChoiceArrays
 from indoor_explorers.learners.places.model import AdvantageNet, ValueNet, batch_of
+from indoor_explorers.learners.places.scene import MOST
 
 #: Share of later surprises that count, per lidar range of flight.
 LATER = 0.7
@@ -112,8 +113,11 @@ def learn_values(choices: ChoiceArrays) -> NDArray[np.float32]:
     """Fit a value network to the returns of each half of the flights; return (C,) the predictions of the other's."""
     judged, half = np.zeros(len(choices.half), np.float32), choices.half
     returns = torch.from_numpy(advantages(choices, judged, 1.0))
+    common = [choices.arrays[name] for name in ("common", "true_common")]
     for taught in (0, 1):
-        network = ValueNet(*(choices.arrays[name].shape[-1] for name in ("places", "common", "true_common")))
+        network = ValueNet(choices.arrays["places"].shape[-1], *(each.shape[-1] for each in common))
+        if choices.arrays["there"].shape[1] > MOST:  # with options there are numbers of very different spread
+            network.standardise(torch.from_numpy(np.concatenate(common, axis=1)))
 
         def loss(some: NDArray[np.int64], network: ValueNet = network) -> Tensor:
             return functional.smooth_l1_loss(network(batch_of(choices, some)), returns[some], beta=ROBUST)

@@ -109,12 +109,17 @@ class ValueNet(nn.Module):
     def __init__(self, place: int, common: int, true_common: int) -> None:
         super().__init__()
         self.set = _Set(place + TRUE_PLACE + 1, common + true_common, VALUE_HIDDEN)
+        self.centre, self.spread = torch.zeros(common + true_common), torch.ones(common + true_common)
         self.hidden, self.out = nn.Linear(2 * VALUE_HIDDEN, VALUE_HIDDEN), nn.Linear(VALUE_HIDDEN, 1)
+
+    def standardise(self, common: Tensor) -> None:
+        """Take what is common to all places relative to its mean and standard deviation over some choices (C, N)."""
+        self.centre, self.spread = common.mean(0), common.std(0) + 1e-3
 
     def forward(self, batch: Batch) -> Tensor:
         """Return the values (B,), in lidar ranges."""
         places = torch.cat([batch.places, batch.true_places, batch.costs[..., None] / 5.0], dim=-1)
-        common = torch.cat([batch.common, batch.true_common], dim=-1)
+        common = (torch.cat([batch.common, batch.true_common], dim=-1) - self.centre) / self.spread
         _, pooled = self.set(places, common, batch.there[:, :MOST])
         value: Tensor = self.out(torch.relu(self.hidden(pooled))).squeeze(-1) * UNIT
         return value

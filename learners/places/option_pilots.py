@@ -75,6 +75,7 @@ class PlacesReportingPilot(ReportingPilot):
         action = super()._explore(view)
         taken = self._places.take_option(Option.REPORT, Option.RELAY)
         if taken is Option.RELAY:
+            self._places.message = None  # it flies to no goal
             self._relays_until = view.step + int(self._places.replan_period)
             return int(Action.STAY)
         if taken is Option.REPORT:

@@ -11,8 +11,8 @@ import torch
 from indoor_explorers.env import World, make_policy, scenario
 from indoor_explorers.env.policies.policy import Pilot
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
-from indoor_explorers.learners.places.flights import POINT, fly
-from indoor_explorers.learners.places.learning import learn_choices, outputs
+from indoor_explorers.learners.places.flights import POINT, ChoiceArrays, fly
+from indoor_explorers.learners.places.learning import learn_choices, learn_values, outputs
 from indoor_explorers.learners.places.model import AdvantageNet, weights_of
 from indoor_explorers.learners.places.network import Loaded, OptionWeights, grown, load_weights, write_weights
 from indoor_explorers.learners.places.options import OPTION_COMMON, Option
@@ -27,6 +27,7 @@ from tests.learners.places.small import random_choices
 
 BASE = {"base.at": "start", "base.must_return": True, "budget": 300}
 DRIFT = {"drift.rate": 0.002, "budget": 400}
+REPORT = MOST + Option.REPORT
 
 
 def untrained(prefers: Sequence[float] = (0.0, 0.0, 0.0)) -> Loaded:
@@ -150,26 +151,41 @@ def test_flights_that_drift_end_when_all_is_shown_rightly(monkeypatch: pytest.Mo
     assert arrays["there"][:, MOST:].sum() == offered.sum()
 
 
-def test_a_better_option_becomes_likelier() -> None:
-    """Reports that were worth five lidar ranges more than other choices gain on all places."""
-    torch.manual_seed(0)
-    choices, report, count = random_choices(20_000), MOST + Option.REPORT, 20_000
+def with_reports(count: int) -> ChoiceArrays:
+    """Random choices, among which are reports, a quarter of those made."""
+    choices = random_choices(count)
     offered = np.tile(np.arange(len(Option)) == Option.REPORT, (count, 1))
     there = np.concatenate([choices.arrays["there"], offered], axis=1)
-    numbers = np.zeros((count, OPTION_COMMON), np.float32)
+    numbers = np.random.default_rng(3).normal(size=(count, OPTION_COMMON)).astype(np.float32)
     arrays = {
         "there": there,
         "probabilities": (there / there.sum(axis=1, keepdims=True)).astype(np.float32),
-        "chosen": np.where(np.random.default_rng(2).random(count) < 0.25, report, choices.arrays["chosen"]),
+        "chosen": np.where(np.random.default_rng(2).random(count) < 0.25, REPORT, choices.arrays["chosen"]),
         "common": np.concatenate([choices.arrays["common"], numbers], axis=1),
     }
-    choices = choices._replace(arrays={**choices.arrays, **arrays})
-    network = AdvantageNet(options=True)
+    return choices._replace(arrays={**choices.arrays, **arrays})
+
+
+def test_a_better_option_becomes_likelier() -> None:
+    """Reports that were worth five lidar ranges more than other choices gain on all places."""
+    torch.manual_seed(0)
+    choices, network = with_reports(20_000), AdvantageNet(options=True)
     before = outputs(network, choices)
-    learn_choices(network, choices, np.where(choices.arrays["chosen"] == report, 5.0, 0.0).astype(np.float32))
+    learn_choices(network, choices, np.where(choices.arrays["chosen"] == REPORT, 5.0, 0.0).astype(np.float32))
     change = outputs(network, choices) - before
-    assert (change[:, report] - change[:, :3].max(axis=1)).mean() > 0.5
+    assert (change[:, REPORT] - change[:, :3].max(axis=1)).mean() > 0.5
     assert (change[:, [MOST + Option.RELAY, MOST + Option.CLOSE]] == 0.0).all()
+
+
+def test_with_options_values_do_not_depend_on_the_units_of_their_inputs() -> None:
+    choices = with_reports(2048)
+    scaled = choices._replace(arrays={**choices.arrays, "common": 20.0 * choices.arrays["common"] + 5.0})
+    judged = []
+    for each in (choices, scaled):
+        torch.manual_seed(0)
+        judged.append(learn_values(each))
+    np.testing.assert_allclose(judged[0], judged[1], atol=0.2)
+    assert judged[0].std() > 0.2
 
 
 def test_a_training_with_options_begins_with_the_weights_of_another(tmp_path: Path) -> None:
