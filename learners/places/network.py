@@ -71,7 +71,7 @@ class Loaded(NamedTuple):
     task: bool = False
     """Whether the network sees what is harder about the task, see :mod:`.task_inputs`."""
     options: bool = False
-    """Whether the network values options beside the places, see :class:`~.scene.Option`."""
+    """Whether the network values options beside the places, see :class:`~.options.Option`."""
 
     @property
     def width(self) -> int:
