@@ -37,8 +37,8 @@ from indoor_explorers.learners.places.network import (
     write_weights,
 )
 from indoor_explorers.learners.places.policy import NAME, SHIPPED
-from indoor_explorers.learners.places.rounds import RoundSettings, RoundsTraining
 from indoor_explorers.learners.pockets.maps import TrainingMaps, map_record
+from indoor_explorers.learners.pockets.rounds import RoundSettings, RoundsTraining
 from indoor_explorers.learners.sessions.session import Session
 from indoor_explorers.learners.sessions.tensorboard import Scalars
 from indoor_explorers.learners.sessions.train import TrainingMethod

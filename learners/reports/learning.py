@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 from torch.nn import functional
 
-from indoor_explorers.learners.places.learning import discounted_surprises, minimise
+from indoor_explorers.learners.pockets.improvement import discounted_surprises, minimise
 from indoor_explorers.learners.reports.flights import TRUE, Choices
 from indoor_explorers.learners.reports.network import WIDTH, NetworkWeights
 from indoor_explorers.learners.reports.situation import NUMBERS

@@ -17,8 +17,8 @@ import torch
 from pydantic import Field, field_validator
 
 from indoor_explorers.env.policies.registry import make_policy
-from indoor_explorers.learners.places.rounds import RoundSettings, RoundsTraining
 from indoor_explorers.learners.pockets.maps import TrainingMaps, map_record
+from indoor_explorers.learners.pockets.rounds import RoundSettings, RoundsTraining
 from indoor_explorers.learners.reports.flights import fly, joined, read_choices, write_choices
 from indoor_explorers.learners.reports.learning import (
     LATER,

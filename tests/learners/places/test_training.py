@@ -24,7 +24,6 @@ from indoor_explorers.learners.places.learning import (
     explained,
     learn_choices,
     learn_values,
-    minimise,
     outputs,
 )
 from indoor_explorers.learners.places.model import AdvantageNet, batch_of, weights_of
@@ -33,6 +32,7 @@ from indoor_explorers.learners.places.policy import DddqnPlaces
 from indoor_explorers.learners.places.scene import COMMON, GUESS, MOST, PLACE, Observer
 from indoor_explorers.learners.places.train import PlacesTraining, TrainingConfig, train
 from indoor_explorers.learners.places.truth import TrueMap, truth_of
+from indoor_explorers.learners.pockets.improvement import minimise
 from indoor_explorers.learners.pockets.maps import TrainingMaps
 from indoor_explorers.learners.sessions.session import Progress
 from indoor_explorers.planners.toolbox.networks.tensors import read_tensors, write_tensors
@@ -227,7 +227,7 @@ def test_an_interrupted_training_equals_a_whole_one_bit_for_bit(
 ) -> None:
     config = TrainingConfig(flights=4, rounds=2, workers=1)
     train(config, None, tmp_path / "whole", seed=2)
-    monkeypatch.setattr("indoor_explorers.learners.places.rounds.TOGETHER", 2)
+    monkeypatch.setattr("indoor_explorers.learners.pockets.rounds.TOGETHER", 2)
     interrupted: list[int] = []
 
     def interrupt(progress: Progress) -> None:
