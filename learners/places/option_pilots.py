@@ -120,7 +120,7 @@ class PlacesLoopPilot(LoopPilot):
 
     def _explore(self, view: View) -> int:
         action = super()._explore(view)
-        if self._places.take_option(Option.CLOSE):
+        if self._places.take_option(Option.CLOSE) is Option.CLOSE:
             self._closes_until = view.step + int(self._places.replan_period)
             closing = self._close_loop(self._view)
             if closing is not None:

@@ -66,12 +66,12 @@ class PlacesPilot(LookoutPilot):
 
     def choose(self, view: View) -> Cell | None:
         """Return the place of highest value."""
+        self._taken = None
         scene = self._observer.observe(view)
         if scene is None:
             return None
         if not self._loaded.others:
             scene.places[:, OTHERS] = 0.0
-        self._taken = None
         if self._loaded.options:
             options = no_options()
             for observe in self.observe_options:
