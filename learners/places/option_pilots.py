@@ -22,13 +22,15 @@ def with_options(
     """Return a pilot of one UAV that flies as another one, and takes the options that its network prefers.
 
     Args:
-        pilot: The pilot that chooses among places and options.
+        pilot: The pilot that chooses among places, and options if its network values any.
         policy: Its policy.
         files: Files of the estimates' weights.
         late_cost: Points that it costs if a base knows under 99 % at the deadline.
 
     """
     whole: Pilot = pilot
+    if not pilot.values_options:
+        return whole
     if pilot.briefing.base is not None:
         whole = PlacesReportingPilot(pilot, policy, files, late_cost)
     if pilot.briefing.scenario.drift.rate > 0.0:
@@ -46,7 +48,7 @@ class PlacesReportingPilot(ReportingPilot):
         super().__init__(pilot.briefing, policy, pilot)
         self._places, self._observer = pilot, SituationObserver(self, late_cost, files)
         self._relays_until = 0
-        pilot.observe_options.append(self._options)
+        pilot.choose_among(self._options)
 
     def act(self, view: View) -> int:
         """Explore, report or relay."""
@@ -94,7 +96,7 @@ class PlacesLoopPilot(LoopPilot):
     def __init__(self, pilot: PlacesPilot, policy: Policy, whole: Pilot) -> None:
         super().__init__(pilot.briefing, policy, whole)
         self._places, self._closes_until, self._may_close_at = pilot, 0, -1
-        pilot.observe_options.append(self._options)
+        pilot.choose_among(self._options)
 
     def act(self, view: View) -> int:
         """Explore, close a loop, or look again at what is wrong."""
@@ -111,7 +113,7 @@ class PlacesLoopPilot(LoopPilot):
     def _options(self, options: Options) -> None:
         if self._may_close_at != self._view.step:
             return
-        closure = self.cheapest_closure(self._view)
+        closure = self.cheapest_closure(self._view, self._belief(self._view))
         if closure is not None:
             reach, error = self._briefing.lidar_range, max(map(abs, self.trajectory.error))
             lengths = (min(each / reach, 10.0) / 5.0 for each in (closure.steps, closure.missed))
@@ -124,7 +126,5 @@ class PlacesLoopPilot(LoopPilot):
             self._closes_until = view.step + int(self._places.replan_period)
             closing = self._close_loop(self._view)
             if closing is not None:
-                self._closing += 1
-                self._interrupted = "flies to where closing a loop costs least"
                 return closing
         return action

@@ -43,10 +43,16 @@ class PlacesPilot(LookoutPilot):
         )
         self.lookouts = self._observer.lookouts
         self.replan_period = self.steps_in(KEEP)
-        self.observe_options: list[Callable[[Options], None]] = []
-        """What tells the options at a choice, of pilots that this one explores for."""
+        self.values_options = loaded.options
+        """Whether the network values options beside the places."""
+        self._observe_options: list[Callable[[Options], None]] = []
         self._taken: Option | None = None
         self._beyond = ""
+
+    def choose_among(self, observe: Callable[[Options], None]) -> None:
+        """Choose among the options too that ``observe`` tells at a choice, and also where the map has not grown."""
+        self._observe_options.append(observe)
+        self.replans_unchanged = True
 
     def take_option(self, *among: Option) -> Option | None:
         """Return which of some options this step's choice preferred to all places, only once; None if it did not."""
@@ -59,11 +65,6 @@ class PlacesPilot(LookoutPilot):
         """Choose at the next step, although the last choice was less than a lidar range ago."""
         self._next_choice = 0.0
 
-    def wants_replan(self, view: View) -> bool:
-        """Tell whether to choose again; with options also where the map has not grown."""
-        self._grew_since_choice |= bool(self.observe_options)
-        return super().wants_replan(view)
-
     def choose(self, view: View) -> Cell | None:
         """Return the place of highest value."""
         self._taken = None
@@ -72,9 +73,9 @@ class PlacesPilot(LookoutPilot):
             return None
         if not self._loaded.others:
             scene.places[:, OTHERS] = 0.0
-        if self._loaded.options:
+        if self.values_options:
             options = no_options()
-            for observe in self.observe_options:
+            for observe in self._observe_options:
                 observe(options)
             scene = scene.with_options(options)
         row = self.pick(view, scene)

@@ -74,7 +74,7 @@ class DddqnPlaces(LevelEstimateUser, Policy):
             loaded = loaded._replace(lookouts=self.lookouts)
         network = loaded if self.network else without_network(loaded)
         pilot = PlacesPilot(briefing, network, self.sector, self.estimate_files)
-        return with_options(pilot, self, self.estimate_files) if loaded.options else pilot
+        return with_options(pilot, self, self.estimate_files)
 
     def provenance(self) -> dict[str, str]:
         """Return the hashes of the network's weights and of those of the estimates."""

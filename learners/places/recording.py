@@ -57,7 +57,7 @@ class Recorder(Policy):
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""
         pilot = RecordingPilot(briefing, self.loaded, self.recording, self.files)
-        return with_options(pilot, self, self.files, self.late_cost) if self.loaded.options else pilot
+        return with_options(pilot, self, self.files, self.late_cost)
 
 
 class RecordingPilot(PlacesPilot):

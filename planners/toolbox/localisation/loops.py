@@ -95,8 +95,6 @@ class LoopPilot(Pilot):
         if off and not self._flies_on(view) and self.is_worth_it(view):
             action = self._close_loop(view)
             if action is not None:
-                self._closing += 1
-                self._interrupted = "flies to where closing a loop costs least"
                 return action
         shown = self._estimated(view) if off else self._warned(view)
         if self._is_explored(shown):
@@ -188,13 +186,18 @@ class LoopPilot(Pilot):
 
     def _close_loop(self, view: View) -> int | None:
         """Return the move towards the place where closing a loop costs least; None if there is none."""
-        self._tried[self._here()] = view.step
-        closure = self.cheapest_closure(view)
-        return closure and self._towards(self._belief(view), self._here(), closure.place)
+        here, belief = self._here(), self._belief(view)
+        self._tried[here] = view.step
+        closure = self.cheapest_closure(view, belief)
+        action = closure and self._towards(belief, here, closure.place)
+        if action is not None:
+            self._closing += 1
+            self._interrupted = "flies to where closing a loop costs least"
+        return action
 
-    def cheapest_closure(self, view: View) -> Closure | None:
-        """Return where closing a loop costs least; None if there is no place for it."""
-        path, belief, here, now = self.trajectory, self._belief(view), self._here(), len(self.trajectory) - 1
+    def cheapest_closure(self, view: View, belief: Belief) -> Closure | None:
+        """Return where closing a loop costs least, on a (H, W) belief; None if there is no place for it."""
+        path, here, now = self.trajectory, self._here(), len(self.trajectory) - 1
         first = self._first_visits()
         steps = self._paths.field(belief, here)[tuple(path.places[first].T)]
         surer = path.variance[first] < path.variance[now] + path.rate * steps - 1e-6
