@@ -81,10 +81,11 @@ class AdvantageNet(nn.Module):
         self.layers = [self.set.first, self.set.second, self.joined, self.out]
         self.has_options, self.prior = options, prior
         if options:
-            self.option, self.option_out = nn.Linear(2 * width + common, width), nn.Linear(width, len(Option))
+            self.option, self.option_second = nn.Linear(2 * width + common, width), nn.Linear(width, width)
+            self.option_out = nn.Linear(width, len(Option))
             nn.init.zeros_(self.option_out.weight)
             nn.init.zeros_(self.option_out.bias)
-            self.layers += [self.option, self.option_out]
+            self.layers += [self.option, self.option_second, self.option_out]
 
     def forward(self, batch: Batch) -> Tensor:
         """Return the values (B, K), or (B, K + O) with options; 0 where there is no place or option."""
@@ -93,7 +94,7 @@ class AdvantageNet(nn.Module):
         values = self.out(torch.relu(self.joined(joined))).squeeze(-1)
         if self.has_options:
             inputs = torch.cat([pooled, batch.common], dim=-1)
-            beyond = self.option_out(torch.relu(self.option(inputs)))
+            beyond = self.option_out(torch.relu(self.option_second(torch.relu(self.option(inputs)))))
             whole = (values - self.prior * batch.costs).masked_fill(~batch.there[:, :MOST], -torch.inf)
             values = torch.cat([values, whole.amax(1, keepdim=True) + beyond], dim=-1)
         return torch.where(batch.there, values, 0.0)

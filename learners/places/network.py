@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.compiled import kernel
-from indoor_explorers.learners.places.options import Option
+from indoor_explorers.learners.places.options import CLOSURE, OPTION_COMMON, Option
 from indoor_explorers.learners.places.scene import Scene, input_sizes
+from indoor_explorers.learners.reports.network import NetworkWeights as ReportsWeights
 from indoor_explorers.planners.toolbox.networks.layers import linear, relu
 from indoor_explorers.planners.toolbox.networks.weights_file import read_once, read_weights_file, write_weights_file
 
@@ -49,6 +50,8 @@ class OptionWeights(NamedTuple):
     out_bias: NDArray[np.float32]
     option: NDArray[np.float32]
     option_bias: NDArray[np.float32]
+    option_second: NDArray[np.float32]
+    option_second_bias: NDArray[np.float32]
     option_out: NDArray[np.float32]
     option_out_bias: NDArray[np.float32]
 
@@ -95,7 +98,8 @@ def shapes(width: int = WIDTH, task: bool = False, options: bool = False) -> dic
     """
     place, common = input_sizes(task, options)
     sizes = {"first": (place + common, width), "second": (width, width), "joined": (3 * width, width)}
-    sizes |= {"out": (width, 1), "option": (2 * width + common, width), "option_out": (width, len(Option))}
+    sizes |= {"out": (width, 1), "option": (2 * width + common, width), "option_second": (width, width)}
+    sizes |= {"option_out": (width, len(Option))}
     biases = {f"{name}_bias": (shape[1],) for name, shape in sizes.items()}
     return {name: (sizes | biases)[name] for name in layout_of(options)._fields}
 
@@ -126,11 +130,14 @@ def _values(places: np.ndarray, common: np.ndarray, weights: Weights) -> tuple[n
 
 @kernel()
 def _option_values(row: np.ndarray, weights: OptionWeights) -> np.ndarray:
-    seen = np.empty(weights.option_bias.shape[0], np.float32)
+    width = weights.option_bias.shape[0]
+    one, two = np.empty(width, np.float32), np.empty(width, np.float32)
     values = np.empty(weights.option_out_bias.shape[0], np.float32)
-    linear(row, weights.option, weights.option_bias, seen)
-    relu(seen)
-    linear(seen, weights.option_out, weights.option_out_bias, values)
+    linear(row, weights.option, weights.option_bias, one)
+    relu(one)
+    linear(one, weights.option_second, weights.option_second_bias, two)
+    relu(two)
+    linear(two, weights.option_out, weights.option_out_bias, values)
     return values
 
 
@@ -166,6 +173,26 @@ def grown(loaded: Loaded, untrained: Weights, task: bool) -> Weights:
     of_places, of_all = np.split(unseen, [grown_place - place])
     known = {**loaded.weights._asdict(), "first": np.concatenate([first[:place], of_places, first[place:], of_all])}
     return untrained._replace(**known)
+
+
+def reporting_as(reports: ReportsWeights, untrained: OptionWeights) -> OptionWeights:
+    """Return weights by which a report has the value that a network of ``dddqn-reports`` gives it.
+
+    That network's units are the first ones of each layer of the options, and see what they saw; the others are those
+    of ``untrained``, so far without weight in any value.
+    """
+    width = reports.first_bias.size
+    layers = {name: getattr(untrained, name).copy() for name in OptionWeights._fields if name.startswith("option")}
+    situation = slice(len(layers["option"]) - OPTION_COMMON, len(layers["option"]) - CLOSURE)
+    for name in ("option", "option_second"):
+        layers[name][:, :width] = 0.0
+    layers["option"][situation, :width], layers["option_bias"][:width] = reports.first, reports.first_bias
+    layers["option_second"][:width, :width] = reports.second
+    layers["option_second_bias"][:width] = reports.second_bias
+    layers["option_out"][:width, Option.REPORT] = reports.out[:, 0]
+    layers["option_out"][width:, Option.REPORT] = 0.0
+    layers["option_out_bias"][Option.REPORT] = reports.out_bias[0]
+    return untrained._replace(**layers)
 
 
 def write_weights(path: Path, loaded: Loaded) -> None:

@@ -30,15 +30,22 @@ from indoor_explorers.learners.places.model import AdvantageNet, load_into, weig
 from indoor_explorers.learners.places.network import (
     WIDTH,
     Loaded,
+    OptionWeights,
     Weights,
     grown,
     layout_of,
     load_weights,
+    reporting_as,
     write_weights,
 )
 from indoor_explorers.learners.places.policy import NAME, SHIPPED
 from indoor_explorers.learners.pockets.maps import TrainingMaps, map_record
 from indoor_explorers.learners.pockets.rounds import RoundSettings, RoundsTraining
+from indoor_explorers.learners.reports.network import WIDTH as REPORTS_WIDTH
+from indoor_explorers.learners.reports.network import NetworkWeights as ReportsWeights
+from indoor_explorers.learners.reports.network import load_weights as load_reports
+from indoor_explorers.learners.reports.policy import NAME as REPORTS_NAME
+from indoor_explorers.learners.reports.policy import SHIPPED as REPORTS_SHIPPED
 from indoor_explorers.learners.sessions.session import Session
 from indoor_explorers.learners.sessions.tensorboard import Scalars
 from indoor_explorers.learners.sessions.train import TrainingMethod
@@ -75,6 +82,8 @@ class TrainingConfig(RoundSettings):
     initial_weights: str | None = None
     """Path of a training's folder, or of weights, to begin with, or ``shipped`` for the shipped ones. None: none, the
     network begins as the planner."""
+    initial_reports: str | None = None
+    """The same for the weights of ``dddqn-reports`` by which reports are valued at first; None: by a rule alone."""
     levels: float = Field(0.0, ge=0.0, le=1.0)
     """Share of the flights in generated buildings of several levels."""
     pocket_weights: str | None = None
@@ -89,7 +98,7 @@ class TrainingConfig(RoundSettings):
 
     @model_validator(mode="after")
     def _are_weights(self) -> Self:
-        _ = self.estimate_files, self.initial
+        _ = self.estimate_files, self.initial, self.reports
         return self
 
     @property
@@ -113,13 +122,33 @@ class TrainingConfig(RoundSettings):
         return loaded
 
     @property
+    def reports(self) -> ReportsWeights | None:
+        """The weights by which reports are valued at first, if any.
+
+        Raises :class:`InputError` where they are missing, or this network has no options or is narrower.
+        """
+        path = self._reports_path
+        if path is None:
+            return None
+        if not self.options or self.width < REPORTS_WIDTH:
+            raise InputError(
+                f"initial_reports: expected options=true and width >= {REPORTS_WIDTH}, got options "
+                f"{str(self.options).lower()} and width {self.width}; set them, or leave initial_reports away"
+            )
+        return load_reports(path)
+
+    @property
     def _initial_path(self) -> Path | None:
         return optional_weights_path(self.initial_weights, SHIPPED, NAME)
 
+    @property
+    def _reports_path(self) -> Path | None:
+        return optional_weights_path(self.initial_reports, REPORTS_SHIPPED, REPORTS_NAME)
+
     def seen_maps(self) -> tuple[str, ...]:
         """Return what is learned from, and what the initial weights were learned from."""
-        path, seen = self._initial_path, list(super().seen_maps())
-        if path is not None:
+        seen = list(super().seen_maps())
+        for path in filter(None, (self._initial_path, self._reports_path)):
             seen += recorded_maps(record_of(path)).get(SeedUse.TRAINING, [])
         return tuple(dict.fromkeys(seen))
 
@@ -146,8 +175,12 @@ class PlacesTraining(RoundsTraining[TrainingConfig, Weights]):
     def untrained(self) -> Weights:
         """Return the initial weights, or those of a network that leaves the values to planners and rules."""
         torch.manual_seed(self.seed)
-        network, initial = weights_of(self._network()), self.config.initial
-        return grown(initial, network, self.config.task_inputs) if initial else network
+        network, initial, reports = weights_of(self._network()), self.config.initial, self.config.reports
+        if initial is not None:
+            network = grown(initial, network, self.config.task_inputs)
+        if reports is not None and isinstance(network, OptionWeights):
+            network = reporting_as(reports, network)
+        return network
 
     def flying(self) -> Callable[[Path, range], None]:
         """Return the function that flies the latest network."""

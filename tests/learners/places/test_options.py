@@ -14,16 +14,19 @@ from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rol
 from indoor_explorers.learners.places.flights import POINT, ChoiceArrays, fly
 from indoor_explorers.learners.places.learning import learn_choices, learn_values, outputs
 from indoor_explorers.learners.places.model import AdvantageNet, weights_of
-from indoor_explorers.learners.places.network import Loaded, OptionWeights, grown, load_weights, write_weights
-from indoor_explorers.learners.places.options import OPTION_COMMON, Option
+from indoor_explorers.learners.places.network import Loaded, OptionWeights, grown, load_weights, values, write_weights
+from indoor_explorers.learners.places.options import OPTION_COMMON, Option, Options
 from indoor_explorers.learners.places.policy import SHIPPED
 from indoor_explorers.learners.places.scene import COMMON, MOST
 from indoor_explorers.learners.places.train import PlacesTraining, TrainingConfig
 from indoor_explorers.learners.places.truth import TRUE_COMMON
 from indoor_explorers.learners.pockets.maps import TrainingMaps
 from indoor_explorers.learners.reports.flights import TRUE
-from indoor_explorers.learners.reports.situation import NUMBERS
-from tests.learners.places.small import random_choices
+from indoor_explorers.learners.reports.network import load_weights as load_reports
+from indoor_explorers.learners.reports.network import value
+from indoor_explorers.learners.reports.policy import SHIPPED as REPORTS_SHIPPED
+from indoor_explorers.learners.reports.situation import NUMBERS, Situation
+from tests.learners.places.small import random_choices, random_scene
 
 BASE = {"base.at": "start", "base.must_return": True, "budget": 300}
 DRIFT = {"drift.rate": 0.002, "budget": 400}
@@ -200,3 +203,24 @@ def test_a_training_with_options_begins_with_the_weights_of_another(tmp_path: Pa
     for other in ({"task_inputs": True}, {"options": True}):
         with pytest.raises(ValueError, match="expected weights of a network with"):
             TrainingConfig(**given, **other)
+
+
+def test_a_training_can_begin_with_the_values_of_reports_that_another_network_learned(tmp_path: Path) -> None:
+    """Reports are valued as by ``dddqn-reports``, the other options by rules, and places as before."""
+    begins = {"initial_weights": "shipped", "options": True}
+    without, begun = (
+        PlacesTraining(TrainingConfig(**begins, **more), 1, tmp_path).mean()
+        for more in ({}, {"initial_reports": "shipped"})
+    )
+    scene = random_scene(5)
+    for rule in (-1.5, 0.5):
+        numbers = np.random.default_rng(7).normal(size=OPTION_COMMON).astype(np.float32)
+        options = Options(numbers, np.array([rule, -2.0, 2.0], np.float32))
+        before, found = (values(scene.with_options(options), each) for each in (without, begun))
+        np.testing.assert_array_equal(np.delete(found, 5), np.delete(before, 5))
+        expected = value(Situation(numbers[:NUMBERS], rule), load_reports(REPORTS_SHIPPED))
+        np.testing.assert_allclose(found[5] - found[:5].max(), expected, atol=1e-4)
+        assert abs(expected - rule) > 0.01
+    for other, message in (({"options": False}, "options false"), ({"width": 40}, "width 40")):
+        with pytest.raises(ValueError, match=message):
+            TrainingConfig(**{"options": True, "initial_reports": "shipped", **other})
