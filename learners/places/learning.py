@@ -29,8 +29,9 @@ from indoor_explorers.learners.pockets.improvement import discounted_surprises, 
 LATER = 0.7
 #: Temperature of a round's step, in lidar ranges: what a place must be better by to become e times as likely.
 TEMPERATURE = 0.3
-#: Passes over the choices: of the value networks, and of the dueling network.
-VALUE_PASSES, DUELING_PASSES = 6, 3
+#: Passes over the choices: of the value networks, of the dueling network, and of the options' layers where they learn
+#: alone, as fewer of the choices are of them.
+VALUE_PASSES, DUELING_PASSES, OPTION_PASSES = 6, 3, 8
 #: Learning rates of the value networks and of the dueling network; weight decay of the latter.
 VALUE_RATE, RATE, DECAY = 2e-3, 1e-3, 1e-2
 #: Errors beyond this, in lidar ranges, count linearly.
@@ -72,7 +73,9 @@ def outputs(network: nn.Module, choices: ChoiceArrays) -> NDArray[np.float32]:
     return np.concatenate([network(batch_of(choices, some)).numpy() for some in parts])
 
 
-def learn_choices(network: AdvantageNet, choices: ChoiceArrays, worth: NDArray[np.float32]) -> float:
+def learn_choices(
+    network: AdvantageNet, choices: ChoiceArrays, worth: NDArray[np.float32], passes: int = DUELING_PASSES
+) -> float:
     """Move a network to the next policy, by the advantages ``worth`` (C,) in lidar ranges; return the mean loss."""
     before = torch.from_numpy(outputs(network, choices))
     weights, chosen = (torch.from_numpy(choices.arrays[name]) for name in ("probabilities", "chosen"))
@@ -84,7 +87,7 @@ def learn_choices(network: AdvantageNet, choices: ChoiceArrays, worth: NDArray[n
         beyond = changes.gather(1, chosen[some][:, None]).squeeze(1) - mean
         return functional.smooth_l1_loss(beyond, targets[some], beta=ROBUST)
 
-    return minimise(network, np.arange(len(worth)), DUELING_PASSES, RATE, loss, DECAY)
+    return minimise(network, np.arange(len(worth)), passes, RATE, loss, DECAY)
 
 
 def explained(choices: ChoiceArrays, values: NDArray[np.float32]) -> float:

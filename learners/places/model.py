@@ -87,6 +87,11 @@ class AdvantageNet(nn.Module):
             nn.init.zeros_(self.option_out.bias)
             self.layers += [self.option, self.option_second, self.option_out]
 
+    def keep_places(self) -> None:
+        """Let only the layers of the options learn from now on."""
+        for layer in (self.set.first, self.set.second, self.joined, self.out):
+            layer.requires_grad_(False)
+
     def forward(self, batch: Batch) -> Tensor:
         """Return the values (B, K), or (B, K + O) with options; 0 where there is no place or option."""
         inside, pooled = self.set(batch.places, batch.common, batch.there[:, :MOST])

@@ -25,7 +25,15 @@ from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.provenance import record_of, recorded_maps
 from indoor_explorers.env.scenarios.seed_sets import SeedUse
 from indoor_explorers.learners.places.flights import choices_of, fly, read_choices, write_choices
-from indoor_explorers.learners.places.learning import LATER, advantages, explained, learn_choices, learn_values
+from indoor_explorers.learners.places.learning import (
+    DUELING_PASSES,
+    LATER,
+    OPTION_PASSES,
+    advantages,
+    explained,
+    learn_choices,
+    learn_values,
+)
 from indoor_explorers.learners.places.model import AdvantageNet, load_into, weights_of
 from indoor_explorers.learners.places.network import (
     WIDTH,
@@ -79,6 +87,8 @@ class TrainingConfig(RoundSettings):
     """Share of the flights over one level with a home base and a deadline."""
     options: bool = False
     """Let the network choose between places, reports to a base, staying as a relay, and loop closures."""
+    options_alone: bool = False
+    """Let only the options learn: places keep the values of the initial weights."""
     initial_weights: str | None = None
     """Path of a training's folder, or of weights, to begin with, or ``shipped`` for the shipped ones. None: none, the
     network begins as the planner."""
@@ -99,6 +109,8 @@ class TrainingConfig(RoundSettings):
     @model_validator(mode="after")
     def _are_weights(self) -> Self:
         _ = self.estimate_files, self.initial, self.reports
+        if self.options_alone and not self.options:
+            raise InputError("options_alone: expected options=true with it; set it, or leave options_alone away")
         return self
 
     @property
@@ -192,9 +204,12 @@ class PlacesTraining(RoundsTraining[TrainingConfig, Weights]):
         torch.manual_seed(1000 * self.seed + self.rounds)
         choices = read_choices(paths)
         values = learn_values(choices)
-        network = self._network()
+        network, passes = self._network(), DUELING_PASSES
         load_into(network, self.networks[-1])
-        error = learn_choices(network, choices, advantages(choices, values, LATER))
+        if self.config.options_alone:
+            network.keep_places()
+            passes = OPTION_PASSES
+        error = learn_choices(network, choices, advantages(choices, values, LATER), passes)
         t90, t99 = np.nanmean(choices.times, axis=0).tolist()
         means = {"t90": t90, "t99": t99, "explained": explained(choices, values), "error": error}
         figures = {"choices": len(values)} | {name: round(value, 4) for name, value in means.items()}

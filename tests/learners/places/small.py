@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from indoor_explorers.env import World, make_policy, scenario
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
 from indoor_explorers.learners.places.flights import DISCOUNT, ChoiceArrays
-from indoor_explorers.learners.places.scene import COMMON, MOST, PLACE, Scene
+from indoor_explorers.learners.places.options import OPTION_COMMON, Options
+from indoor_explorers.learners.places.scene import COMMON, MOST, PLACE, Scene, input_sizes
 from indoor_explorers.learners.places.truth import TRUE_COMMON, TRUE_PLACE
 
 
@@ -30,12 +31,19 @@ def world_on_a_floor(
     return world
 
 
-def random_scene(count: int, seed: int = 0) -> Scene:
+def random_scene(count: int, seed: int = 0, task: bool = False) -> Scene:
     rng = np.random.default_rng(seed)
-    places, common = rng.normal(size=(count, PLACE)).astype(np.float32), rng.normal(size=COMMON).astype(np.float32)
+    place, about_all = input_sizes(task)
+    places, common = rng.normal(size=(count, place)).astype(np.float32), rng.normal(size=about_all).astype(np.float32)
     costs = rng.uniform(0.0, 5.0, count).astype(np.float32)
     steps, between = rng.uniform(0.0, 3.0, count), np.zeros((count, count))
     return Scene(np.arange(count, dtype=np.int32), places, common, costs, np.arange(count), steps, between)
+
+
+def with_some_options(scene: Scene) -> Scene:
+    """With two options of three, and the rules' values of these."""
+    numbers = np.random.default_rng(7).normal(size=OPTION_COMMON).astype(np.float32)
+    return scene.with_options(Options(numbers, np.array([0.5, -np.inf, 2.0], np.float32)))
 
 
 def random_choices(count: int, there: int = 3, uav: int = 4) -> ChoiceArrays:

@@ -7,11 +7,9 @@ import torch
 from indoor_explorers.env import InputError
 from indoor_explorers.learners.places.model import AdvantageNet, Batch, load_into, weights_of
 from indoor_explorers.learners.places.network import WIDTH, Loaded, load_weights, shapes, values, write_weights
-from indoor_explorers.learners.places.options import OPTION_COMMON, Options
-from indoor_explorers.learners.places.scene import Scene
 from indoor_explorers.learners.places.truth import TRUE_COMMON, TRUE_PLACE
 from indoor_explorers.planners.toolbox.networks.tensors import write_tensors
-from tests.learners.places.small import random_scene
+from tests.learners.places.small import random_scene, with_some_options
 
 
 def some_network(seed: int = 0, width: int = WIDTH, options: bool = False) -> AdvantageNet:
@@ -21,12 +19,6 @@ def some_network(seed: int = 0, width: int = WIDTH, options: bool = False) -> Ad
     if options:
         torch.nn.init.normal_(network.option_out.weight)
     return network
-
-
-def with_some_options(scene: Scene) -> Scene:
-    """With two options of three, and the rules' values of these."""
-    numbers = np.random.default_rng(7).normal(size=OPTION_COMMON).astype(np.float32)
-    return scene.with_options(Options(numbers, np.array([0.5, -np.inf, 2.0], np.float32)))
 
 
 @pytest.mark.parametrize("options", [False, True])

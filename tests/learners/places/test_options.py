@@ -12,7 +12,7 @@ from indoor_explorers.env import World, make_policy, scenario
 from indoor_explorers.env.policies.policy import Pilot
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
 from indoor_explorers.learners.places.flights import POINT, ChoiceArrays, fly
-from indoor_explorers.learners.places.learning import learn_choices, learn_values, outputs
+from indoor_explorers.learners.places.learning import OPTION_PASSES, learn_choices, learn_values, outputs
 from indoor_explorers.learners.places.model import AdvantageNet, weights_of
 from indoor_explorers.learners.places.network import Loaded, OptionWeights, grown, load_weights, values, write_weights
 from indoor_explorers.learners.places.options import OPTION_COMMON, Option, Options
@@ -178,6 +178,21 @@ def test_a_better_option_becomes_likelier() -> None:
     change = outputs(network, choices) - before
     assert (change[:, REPORT] - change[:, :3].max(axis=1)).mean() > 0.5
     assert (change[:, [MOST + Option.RELAY, MOST + Option.CLOSE]] == 0.0).all()
+
+
+def test_options_can_learn_alone() -> None:
+    """Places keep their values, to the bit."""
+    torch.manual_seed(0)
+    choices, network = with_reports(4096), AdvantageNet(options=True)
+    network.keep_places()
+    before = outputs(network, choices)
+    worth = np.where(choices.arrays["chosen"] == REPORT, 5.0, 0.0).astype(np.float32)
+    learn_choices(network, choices, worth, OPTION_PASSES)
+    change = outputs(network, choices) - before
+    assert (change[:, :MOST] == 0.0).all()
+    assert change[:, REPORT].mean() > 0.1
+    with pytest.raises(ValueError, match="expected options=true"):
+        TrainingConfig(options_alone=True)
 
 
 def test_with_options_values_do_not_depend_on_the_units_of_their_inputs() -> None:
