@@ -131,11 +131,13 @@ def fly(
     files: EstimateFiles = DEFAULT_FILES,
     harder: float = 0.0,
     bases: float = 0.0,
+    options_alone: bool = False,
 ) -> TrainingFlight:
     """Return a flight of a network over a map drawn by a seed, with a lidar, team and radio drawn likewise.
 
     ``files`` has the weights of the estimates that the network sees. A share ``bases`` of the tasks has a home base
-    and a deadline, a share ``harder`` of the others is harder.
+    and a deadline, a share ``harder`` of the others is harder. ``options_alone`` tells whether options are drawn
+    alone: of the places the best one is flown to.
     """
     rng = np.random.default_rng([seed, 11])
     plan = maps.draw(rng)
@@ -147,7 +149,7 @@ def fly(
     world.begin(0, seed, floorplan=plan)
     levels = plan.levels
     reachable = distance_field(plan.truth, world.view(0, 0).cell, levels.rise) < UNREACHABLE
-    recording = Recording(TrueMap(plan.truth, reachable, levels), rng, {})
+    recording = Recording(TrueMap(plan.truth, reachable, levels), rng, {}, options_alone)
     has_base = "base.at" in asked
     late_cost = draw_late_cost(rng) if has_base else LATE_COST
     policy = Recorder(loaded=loaded, recording=recording, files=files, late_cost=late_cost)

@@ -6,8 +6,9 @@ from collections.abc import Callable
 from typing import ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
-from indoor_explorers.env.grid.arrays import Cell
+from indoor_explorers.env.grid.arrays import Cell, Mask
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.learners.places.network import Loaded, values
 from indoor_explorers.learners.places.options import Option, Options, no_options
@@ -47,12 +48,15 @@ class PlacesPilot(LookoutPilot):
         """Whether the network values options beside the places."""
         self._observe_options: list[Callable[[Options], None]] = []
         self._taken: Option | None = None
+        self._keeps_place = False
         self._beyond = ""
 
     def choose_among(self, observe: Callable[[Options], None]) -> None:
-        """Choose among the options too that ``observe`` tells at a choice, and also where the map has not grown."""
+        """Choose among the options too that ``observe`` tells at a choice.
+
+        Where the map has not grown, they alone are chosen among, or the UAV flies on.
+        """
         self._observe_options.append(observe)
-        self.replans_unchanged = True
 
     def take_option(self, *among: Option) -> Option | None:
         """Return which of some options this step's choice preferred to all places, only once; None if it did not."""
@@ -65,9 +69,19 @@ class PlacesPilot(LookoutPilot):
         """Choose at the next step, although the last choice was less than a lidar range ago."""
         self._next_choice = 0.0
 
+    def wants_replan(self, view: View) -> bool:
+        """Tell whether to choose again although the goal is still useful; options also where the map has not grown."""
+        return bool(self._grew_since_choice or self._observe_options) and view.step >= self._next_choice
+
+    def choose_goal(self, view: View) -> None:
+        """Choose a goal; beside options, the present one is kept if the map has not grown since it was chosen."""
+        self._keeps_place = bool(self._observe_options) and not self._grew_since_choice
+        super().choose_goal(view)
+
     def choose(self, view: View) -> Cell | None:
         """Return the place of highest value."""
         self._taken = None
+        keeps, self._keeps_place = self._keeps_place, False
         scene = self._observer.observe(view)
         if scene is None:
             return None
@@ -78,15 +92,32 @@ class PlacesPilot(LookoutPilot):
             for observe in self._observe_options:
                 observe(options)
             scene = scene.with_options(options)
-        row = self.pick(view, scene)
+        worth = self.values(scene, self.goal if keeps else None)
+        row = self.pick(view, scene, worth)
         if row >= len(scene.cells):
             self._taken = Option(row - len(scene.cells))
-            row = int(values(scene, self._loaded)[: len(scene.cells)].argmax())
+            row = int(worth[: len(scene.cells)].argmax())
         return divmod(int(scene.cells[row]), self.paths.width)
 
-    def pick(self, view: View, scene: Scene) -> int:
-        """Return the number of the chosen place, or that of an option behind all places."""
+    def values(self, scene: Scene, goal: Cell | None) -> NDArray[np.float32]:
+        """Return the values of the places and options of a scene, (K + O,).
+
+        Where the UAV keeps its ``goal``, that has the value of the best place, and the others -inf.
+        """
         worth = values(scene, self._loaded)
+        if goal is not None:
+            self._leave(worth, scene, scene.cells == goal[0] * self.paths.width + goal[1])
+        return worth
+
+    @staticmethod
+    def _leave(worth: NDArray[np.float32], scene: Scene, left: Mask) -> None:
+        """Leave only some places of a scene, (K,), with the value of the best place; all if there would be none."""
+        of_places = worth[: len(scene.cells)]
+        if left.any():
+            of_places[:] = np.where(left, of_places.max(), -np.inf)
+
+    def pick(self, view: View, scene: Scene, worth: NDArray[np.float32]) -> int:
+        """Return the number of the chosen place, or that of an option behind all places; ``worth`` (K + O,)."""
         if self.explaining:
             of_places = worth[: len(scene.cells)]
             self.consider(

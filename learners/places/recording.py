@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.policies.policy import Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.learners.places.network import Loaded, values
+from indoor_explorers.learners.places.network import Loaded
 from indoor_explorers.learners.places.option_pilots import with_options
 from indoor_explorers.learners.places.pilot import PlacesPilot
 from indoor_explorers.learners.places.scene import Scene
@@ -43,6 +43,8 @@ class Recording(NamedTuple):
     rng: np.random.Generator
     choices: dict[int, list[Choice]]
     """The choices so far, by UAV."""
+    options_alone: bool = False
+    """Whether options are drawn alone: of the places the best one is flown to."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,10 +69,12 @@ class RecordingPilot(PlacesPilot):
         super().__init__(briefing, loaded, files=files)
         self._recording = recording
 
-    def pick(self, view: View, scene: Scene) -> int:
+    def pick(self, view: View, scene: Scene, worth: NDArray[np.float32]) -> int:
         """Return the row of the drawn place or option; the probabilities are the softmax of the values."""
         recording, reach = self._recording, float(self.briefing.lidar_range)
-        logits = values(scene, self._loaded).astype(np.float64)
+        if recording.options_alone:
+            self._leave(worth, scene, np.arange(len(scene.cells)) == worth[: len(scene.cells)].argmax())
+        logits = worth.astype(np.float64)
         probabilities = np.exp(logits - logits.max())
         probabilities /= probabilities.sum()
         chosen = int(recording.rng.choice(len(probabilities), p=probabilities))

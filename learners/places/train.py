@@ -88,7 +88,7 @@ class TrainingConfig(RoundSettings):
     options: bool = False
     """Let the network choose between places, reports to a base, staying as a relay, and loop closures."""
     options_alone: bool = False
-    """Let only the options learn: places keep the values of the initial weights."""
+    """Let only the options learn: places keep the values of the initial weights, and the best one is flown to."""
     initial_weights: str | None = None
     """Path of a training's folder, or of weights, to begin with, or ``shipped`` for the shipped ones. None: none, the
     network begins as the planner."""
@@ -169,11 +169,10 @@ class TrainingConfig(RoundSettings):
         return replace(super().maps(), levels=self.levels)
 
 
-def fly_seeds(
-    maps: TrainingMaps, loaded: Loaded, files: EstimateFiles, harder: float, bases: float, path: Path, seeds: range
-) -> None:
+def fly_seeds(maps: TrainingMaps, loaded: Loaded, config: TrainingConfig, path: Path, seeds: range) -> None:
     """Fly a network, a flight for each seed, and write the choices to a file."""
-    write_choices(path, choices_of([fly(maps, seed, loaded, files, harder, bases) for seed in seeds]))
+    settings = config.estimate_files, config.harder_tasks, config.bases, config.options_alone
+    write_choices(path, choices_of([fly(maps, seed, loaded, *settings) for seed in seeds]))
 
 
 class PlacesTraining(RoundsTraining[TrainingConfig, Weights]):
@@ -196,8 +195,7 @@ class PlacesTraining(RoundsTraining[TrainingConfig, Weights]):
 
     def flying(self) -> Callable[[Path, range], None]:
         """Return the function that flies the latest network."""
-        config, latest = self.config, self._loaded(self.networks[-1])
-        return partial(fly_seeds, self.maps, latest, config.estimate_files, config.harder_tasks, config.bases)
+        return partial(fly_seeds, self.maps, self._loaded(self.networks[-1]), self.config)
 
     def learned(self, paths: Sequence[Path]) -> tuple[Weights, dict[str, int | float]]:
         """Return the next network, and figures of the round."""

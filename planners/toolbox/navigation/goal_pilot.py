@@ -64,8 +64,6 @@ class GoalPilot(Pilot):
     replan_period: float = inf
     """Steps after a choice from which on growth of the map leads to another choice, although the goal is still useful.
     With 0, growth does so at once; if infinite, never."""
-    replans_unchanged: bool = False
-    """Whether that also leads to another choice where the map has not grown."""
 
     def __init__(self, briefing: Briefing) -> None:
         self.briefing = briefing
@@ -116,7 +114,7 @@ class GoalPilot(Pilot):
 
         By default, if the map has grown since the last choice, and that was at least :attr:`replan_period` steps ago.
         """
-        return (self._grew_since_choice or self.replans_unchanged) and view.step >= self._next_choice
+        return self._grew_since_choice and view.step >= self._next_choice
 
     @property
     def goal(self) -> Cell | None:

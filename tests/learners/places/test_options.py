@@ -143,6 +143,23 @@ def test_flights_with_a_base_are_recorded() -> None:
     assert taken[Option.RELAY] > 0
 
 
+def test_options_are_drawn_alone_where_they_alone_learn() -> None:
+    """Of the places the best one is flown to, so that nothing else is tried than options."""
+    flight = fly(TrainingMaps(), 8, untrained(), bases=1.0, options_alone=True)
+    for arrays in flight.choices:
+        of_places = arrays["probabilities"][:, :MOST]
+        assert ((of_places > 0.0).sum(axis=1) == 1).all()
+        assert (of_places.sum(axis=1) < 1.0)[arrays["there"][:, REPORT]].any()
+
+
+def test_a_place_is_kept_where_the_map_has_not_grown(tmp_path: Path) -> None:
+    """Choices among options alone do not change where the UAV flies, however often they are made."""
+    _, pilots, path = flown(tmp_path, untrained((-100.0, -100.0, 0.0)), {"team": 1, **BASE, "base.must_return": False})
+    (plain,) = path_of("dddqn-places", {"team": 1, "budget": 300}, "small-offices")[2:]
+    assert pilots[0].tally()["plans"] > 0
+    assert path[:100] == plain[:100]
+
+
 def test_flights_that_drift_end_when_all_is_shown_rightly(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("indoor_explorers.learners.places.flights.harder_settings", lambda *_: {"drift.rate": 0.002})
     (arrays,) = fly(TrainingMaps(), 4, untrained(), harder=1.0).choices
