@@ -48,7 +48,7 @@ class PlacesPilot(LookoutPilot):
         """Whether the network values options beside the places."""
         self._observe_options: list[Callable[[Options], None]] = []
         self._taken: Option | None = None
-        self._keeps_place = False
+        self._keeps_place, self._next_options = False, 0.0
         self._beyond = ""
 
     def choose_among(self, observe: Callable[[Options], None]) -> None:
@@ -66,17 +66,25 @@ class PlacesPilot(LookoutPilot):
         return taken
 
     def choose_soon(self) -> None:
-        """Choose at the next step, although the last choice was less than a lidar range ago."""
-        self._next_choice = 0.0
+        """Choose among the options at the next step, although the last choice was less than a lidar range ago."""
+        self._next_options = 0.0
 
     def wants_replan(self, view: View) -> bool:
         """Tell whether to choose again although the goal is still useful; options also where the map has not grown."""
-        return bool(self._grew_since_choice or self._observe_options) and view.step >= self._next_choice
+        return super().wants_replan(view) or (bool(self._observe_options) and view.step >= self._next_options)
 
     def choose_goal(self, view: View) -> None:
-        """Choose a goal; beside options, the present one is kept if the map has not grown since it was chosen."""
-        self._keeps_place = bool(self._observe_options) and not self._grew_since_choice
+        """Choose a goal; the present one is kept if it is only time to choose among the options."""
+        grew, due, goal = self._grew_since_choice, self._next_choice, self.goal
+        self._keeps_place = bool(self._observe_options) and goal is not None and not self._is_place_due(view, goal)
+        keeps = self._keeps_place
         super().choose_goal(view)
+        self._next_options = view.step + self.replan_period
+        if keeps and self.goal == goal:
+            self._grew_since_choice, self._next_choice = grew, due
+
+    def _is_place_due(self, view: View, goal: Cell) -> bool:
+        return super().wants_replan(view) or self.is_spent(view, goal) or self.navigator.is_overdue(view)
 
     def choose(self, view: View) -> Cell | None:
         """Return the place of highest value."""

@@ -152,17 +152,17 @@ def test_options_are_drawn_alone_where_they_alone_learn() -> None:
         assert (of_places.sum(axis=1) < 1.0)[arrays["there"][:, REPORT]].any()
 
 
-def test_a_place_is_kept_where_the_map_has_not_grown(tmp_path: Path) -> None:
-    """Choices among options alone do not change where the UAV flies, however often they are made."""
-    _, pilots, path = flown(tmp_path, untrained((-100.0, -100.0, 0.0)), {"team": 1, **BASE, "base.must_return": False})
-    (plain,) = path_of("dddqn-places", {"team": 1, "budget": 300}, "small-offices")[2:]
-    assert pilots[0].tally()["plans"] > 0
-    assert path[:100] == plain[:100]
+def test_choices_among_options_do_not_change_which_places_are_flown_to(tmp_path: Path) -> None:
+    """Where no option is preferred, the UAVs fly as with the rule that explores until the deadline, to the cell."""
+    settings = {"team": 2, **BASE}
+    path = flown(tmp_path, untrained((-100.0, -100.0, 0.0)), settings)[2]
+    rule = {"when": "deadline", "explorer": "dddqn-places"}
+    assert path == path_of("return-to-base", settings, "small-offices", **rule)[2]
 
 
 def test_flights_that_drift_end_when_all_is_shown_rightly(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("indoor_explorers.learners.places.flights.harder_settings", lambda *_: {"drift.rate": 0.002})
-    (arrays,) = fly(TrainingMaps(), 4, untrained(), harder=1.0).choices
+    (arrays,) = fly(TrainingMaps(), 2, untrained(), harder=1.0).choices
     offered = arrays["there"][:, MOST + Option.CLOSE]
     assert offered.any()
     assert (arrays["common"][offered, COMMON + NUMBERS] == 1.0).all()
