@@ -156,8 +156,8 @@ def test_choices_among_options_do_not_change_which_places_are_flown_to(tmp_path:
     """Where no option is preferred, the UAVs fly as with the rule that explores until the deadline, to the cell."""
     settings = {"team": 2, **BASE}
     path = flown(tmp_path, untrained((-100.0, -100.0, 0.0)), settings)[2]
-    rule = {"when": "deadline", "explorer": "dddqn-places"}
-    assert path == path_of("return-to-base", settings, "small-offices", **rule)[2]
+    rule = path_of("return-to-base", settings, "small-offices", when="deadline", explorer="dddqn-places")[2]
+    assert path == rule
 
 
 def test_flights_that_drift_end_when_all_is_shown_rightly(monkeypatch: pytest.MonkeyPatch) -> None:
