@@ -69,6 +69,8 @@ AVERAGED_FROM = 2
 class TrainingConfig(RoundSettings):
     """Describe one training completely, together with its seed."""
 
+    rounds: int = Field(3, ge=0)
+    """Rounds of flying and learning; with 0, the network is that with which a training begins."""
     prior: float = 0.45
     """Weight of the costs of ``frontier-predictive`` in the value of a place; 0 begins without that planner."""
     guess: bool = True
