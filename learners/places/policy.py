@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
+from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.policies.policy import Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing
 from indoor_explorers.env.provenance import joined, record_of, recorded_maps
@@ -19,6 +20,8 @@ from indoor_explorers.planners.toolbox.pockets.outlook import LevelEstimateUser
 
 #: The weights that ship.
 SHIPPED = Path(__file__).parent / "weights" / "places.safetensors"
+#: Those that value options beside places.
+SHIPPED_OPTIONS = SHIPPED.with_name("options.safetensors")
 #: The file of the weights in the folder of a training.
 NAME = "places.safetensors"
 
@@ -32,17 +35,18 @@ class DddqnPlaces(LevelEstimateUser, Policy):
     trained by policy iteration with double and dueling estimates
     (:mod:`indoor_explorers.learners.places.learning`). Only the draws of deadlocks between UAVs are random.
 
-    Weights that were trained with ``options`` value besides places what else a UAV can do
+    Weights that were trained with options value besides places what else a UAV can do
     (:class:`~indoor_explorers.learners.places.options.Option`): report to a home base, stay as a relay, close a loop.
     In terms of R. S. Sutton, D. Precup, S. Singh, "Between MDPs and semi-MDPs", Artificial Intelligence 112, 1999,
-    places are options too. The weights that ship have none.
+    places are options too.
 
     Double estimation: H. van Hasselt, "Double Q-learning", NeurIPS 2010; dueling networks: Wang et al. 2016,
     arXiv:1511.06581; advantages: Schulman et al. 2016, arXiv:1506.02438, and Pan et al. 2022, arXiv:2109.06093; layers
     for sets: Zaheer et al. 2017, arXiv:1703.06114; the mean of weights: Izmailov et al. 2018, arXiv:1803.05407.
 
     Raises:
-        InputError: ``weights`` is missing or not a file of this network, or ``lookouts`` is negative.
+        InputError: ``weights`` is missing or not a file of this network, is given with ``options``, or ``lookouts`` is
+            negative.
 
     """
 
@@ -50,6 +54,8 @@ class DddqnPlaces(LevelEstimateUser, Policy):
 
     weights: str | None = None
     """Path of a training's folder or weights; None: the shipped ones."""
+    options: bool = False
+    """Fly the shipped weights that value options beside places: one network for plain tasks and for harder ones."""
     network: bool = True
     """Whether the network values places; without it the UAV follows the costs of ``frontier-predictive``."""
     sector: float = bounded(0.0, least=0)
@@ -60,12 +66,14 @@ class DddqnPlaces(LevelEstimateUser, Policy):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if self.options and self.weights is not None:
+            raise InputError(f"expected weights or options, got both: {self.weights!r}; leave one of them out")
         load_weights(self.path)
 
     @property
     def path(self) -> Path:
         """The path of the weights."""
-        return weights_path(self.weights, SHIPPED, NAME)
+        return weights_path(self.weights, SHIPPED_OPTIONS if self.options else SHIPPED, NAME)
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV for one episode."""

@@ -17,6 +17,7 @@ from indoor_explorers.learners.dddqn.weights import shipped
 from indoor_explorers.learners.places.network import load_weights as load_places
 from indoor_explorers.learners.places.network import values
 from indoor_explorers.learners.places.policy import SHIPPED as PLACES
+from indoor_explorers.learners.places.policy import SHIPPED_OPTIONS as PLACES_OPTIONS
 from indoor_explorers.learners.reports.network import load_weights as load_reports
 from indoor_explorers.learners.reports.network import value as report_value
 from indoor_explorers.learners.reports.policy import SHIPPED as REPORTS
@@ -31,7 +32,7 @@ from indoor_explorers.planners.toolbox.pockets.estimates import load_weights as 
 from indoor_explorers.planners.toolbox.pockets.features import COARSE_LAYERS, FINE_LAYERS, PLAIN, SIDE, Kind
 from indoor_explorers.planners.toolbox.pockets.features import LEVELS as OVER_LEVELS
 from indoor_explorers.planners.toolbox.pockets.network import outputs
-from tests.learners.places.small import random_scene
+from tests.learners.places.small import random_scene, with_some_options
 
 #: Digests of the outputs for random inputs, by weights.
 OUTPUTS = {
@@ -40,6 +41,7 @@ OUTPUTS = {
     "thesis-open-map": "7fc05c54915ff94c",
     "thesis-obstacles-map": "f92959ac57855a97",
     "places": "a6402e53dd6a5afe",
+    "options": "da92e6a140c1c69b",
     "pockets": "88392fe87dae3ed7",
     "pockets-levels": "e0dc7da09498e240",
     "reports": "a2d97d8397f8989c",
@@ -53,17 +55,19 @@ FLIGHTS: tuple[tuple[str, dict[str, Any], str, str], ...] = (
     ("dddqn", {"map_alone": True}, "thesis-open", "f4dd37d3bf2820da"),
     ("dddqn", {"map_alone": True}, "thesis-obstacles", "0051a28d0211180f"),
     ("dddqn-places", {}, "small-floors", "a5e3d421f9a5aeee"),
+    ("dddqn-places", {"options": True}, "small-floors", "a5e3d421f9a5aeee"),
     ("dddqn-thesis", {}, "thesis-obstacles", "b3d2c9d7dff038e7"),
     ("frontier-predictive", {}, "small-floors", "79f57cf18dd0458b"),
     ("frontier-predictive", {"level_weights": "shipped"}, "small-storeys", "5782ac170a78198d"),
 )
-#: Policy, scenario, number of UAVs, and the digest of all actions of a whole flight.
-WHOLE_FLIGHTS = (
-    ("dddqn-places", "small-floors", 1, "07a9717b145aba30"),
-    ("dddqn-places", "small-rooms", 2, "b6dda7b9d829275a"),
-    ("dddqn-reports", "office-base-2", 2, "d35e4f5abf0e8c21"),
-    ("dddqn", "thesis-team-2", 2, "2ab5ecd33e039c77"),
-    ("dddqn", "thesis-obstacles", 1, "1568e666f0654ce8"),
+#: Policy, its parameters, scenario, number of UAVs, and the digest of all actions of a whole flight.
+WHOLE_FLIGHTS: tuple[tuple[str, dict[str, Any], str, int, str], ...] = (
+    ("dddqn-places", {}, "small-floors", 1, "07a9717b145aba30"),
+    ("dddqn-places", {}, "small-rooms", 2, "b6dda7b9d829275a"),
+    ("dddqn-places", {"options": True}, "office-base-2", 2, "e6aca53c9d072e79"),
+    ("dddqn-reports", {}, "office-base-2", 2, "d35e4f5abf0e8c21"),
+    ("dddqn", {}, "thesis-team-2", 2, "2ab5ecd33e039c77"),
+    ("dddqn", {}, "thesis-obstacles", 1, "1568e666f0654ce8"),
 )
 
 
@@ -100,6 +104,8 @@ def found_outputs(name: str) -> NDArray[np.float32]:
     match name:
         case "places":
             return values(random_scene(5), load_places(PLACES))
+        case "options":
+            return values(with_some_options(random_scene(5)), load_places(PLACES_OPTIONS))
         case "pockets":
             return pocket_outputs(POCKETS, PLAIN)
         case "pockets-levels":
@@ -132,7 +138,9 @@ def test_networks_fly_as_they_always_flew(policy: str, parameters: dict[str, Any
     assert digest(np.stack(cells)) == expected
 
 
-@pytest.mark.parametrize(("policy", "name", "team", "expected"), WHOLE_FLIGHTS)
-def test_networks_choose_as_always_to_the_end_of_a_flight(policy: str, name: str, team: int, expected: str) -> None:
+@pytest.mark.parametrize(("policy", "parameters", "name", "team", "expected"), WHOLE_FLIGHTS)
+def test_networks_choose_as_always_to_the_end_of_a_flight(
+    policy: str, parameters: dict[str, Any], name: str, team: int, expected: str
+) -> None:
     task = scenario(name).with_settings({"team": team})
-    assert digest(np.stack([actions for actions, _ in flight(make_policy(policy), task)])) == expected
+    assert digest(np.stack([actions for actions, _ in flight(make_policy(policy, **parameters), task)])) == expected

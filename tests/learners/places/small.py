@@ -11,7 +11,7 @@ from indoor_explorers.env import World, make_policy, scenario
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
 from indoor_explorers.learners.places.flights import DISCOUNT, ChoiceArrays
 from indoor_explorers.learners.places.options import OPTION_COMMON, Options
-from indoor_explorers.learners.places.scene import COMMON, MOST, PLACE, Scene, input_sizes
+from indoor_explorers.learners.places.scene import COMMON, MOST, PLACE, Scene
 from indoor_explorers.learners.places.truth import TRUE_COMMON, TRUE_PLACE
 
 
@@ -31,10 +31,9 @@ def world_on_a_floor(
     return world
 
 
-def random_scene(count: int, seed: int = 0, task: bool = False) -> Scene:
+def random_scene(count: int, seed: int = 0) -> Scene:
     rng = np.random.default_rng(seed)
-    place, about_all = input_sizes(task)
-    places, common = rng.normal(size=(count, place)).astype(np.float32), rng.normal(size=about_all).astype(np.float32)
+    places, common = rng.normal(size=(count, PLACE)).astype(np.float32), rng.normal(size=COMMON).astype(np.float32)
     costs = rng.uniform(0.0, 5.0, count).astype(np.float32)
     steps, between = rng.uniform(0.0, 3.0, count), np.zeros((count, count))
     return Scene(np.arange(count, dtype=np.int32), places, common, costs, np.arange(count), steps, between)

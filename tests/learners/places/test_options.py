@@ -16,9 +16,9 @@ from indoor_explorers.learners.places.learning import OPTION_PASSES, learn_choic
 from indoor_explorers.learners.places.model import AdvantageNet, weights_of
 from indoor_explorers.learners.places.network import Loaded, OptionWeights, grown, load_weights, values, write_weights
 from indoor_explorers.learners.places.options import OPTION_COMMON, Option, Options
-from indoor_explorers.learners.places.policy import SHIPPED
+from indoor_explorers.learners.places.policy import SHIPPED, SHIPPED_OPTIONS
 from indoor_explorers.learners.places.scene import COMMON, MOST
-from indoor_explorers.learners.places.train import PlacesTraining, TrainingConfig
+from indoor_explorers.learners.places.train import PlacesTraining, TrainingConfig, train
 from indoor_explorers.learners.places.truth import TRUE_COMMON
 from indoor_explorers.learners.pockets.maps import TrainingMaps
 from indoor_explorers.learners.reports.flights import TRUE
@@ -256,3 +256,13 @@ def test_a_training_can_begin_with_the_values_of_reports_that_another_network_le
     for other, message in (({"options": False}, "options false"), ({"width": 40}, "width 40")):
         with pytest.raises(ValueError, match=message):
             TrainingConfig(**{"options": True, "initial_reports": "shipped", **other})
+
+
+def test_no_rounds_write_the_network_that_a_training_begins_with(tmp_path: Path) -> None:
+    """The weights that ship are those."""
+    begins: dict[str, Any] = {"options": True, "initial_weights": "shipped", "initial_reports": "shipped"}
+    train(TrainingConfig(rounds=0, **begins), None, tmp_path / "run", seed=1)
+    written, shipped = (load_weights(path) for path in (tmp_path / "run" / "places.safetensors", SHIPPED_OPTIONS))
+    assert written[1:] == shipped[1:]
+    for one, other in zip(written.weights, shipped.weights, strict=True):
+        np.testing.assert_array_equal(one, other)
