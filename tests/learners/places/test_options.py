@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import torch
 
-from indoor_explorers.env import World, make_policy, scenario
+from indoor_explorers.env import InputError, World, make_policy, scenario
 from indoor_explorers.env.policies.policy import Pilot
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
 from indoor_explorers.learners.places.flights import POINT, ChoiceArrays, fly
@@ -266,3 +266,9 @@ def test_no_rounds_write_the_network_that_a_training_begins_with(tmp_path: Path)
     assert written[1:] == shipped[1:]
     for one, other in zip(written.weights, shipped.weights, strict=True):
         np.testing.assert_array_equal(one, other)
+
+
+def test_weights_that_are_named_are_not_replaced_by_those_with_options(tmp_path: Path) -> None:
+    write_weights(tmp_path / "places.safetensors", untrained())
+    with pytest.raises(InputError, match="expected weights or options, got both"):
+        make_policy(f"dddqn-places:{tmp_path}", options=True)
