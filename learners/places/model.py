@@ -89,8 +89,8 @@ class AdvantageNet(nn.Module):
 
     def keep_places(self) -> None:
         """Let only the layers of the options learn from now on."""
-        for layer in (self.set.first, self.set.second, self.joined, self.out):
-            layer.requires_grad_(False)
+        for part in (self.set, self.joined, self.out):
+            part.requires_grad_(False)
 
     def forward(self, batch: Batch) -> Tensor:
         """Return the values (B, K), or (B, K + O) with options; 0 where there is no place or option."""

@@ -17,7 +17,7 @@ from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.learners.places.options import CLOSURE, OPTION_COMMON, Option
 from indoor_explorers.learners.places.scene import Scene, input_sizes
 from indoor_explorers.learners.reports.network import NetworkWeights as ReportsWeights
-from indoor_explorers.planners.toolbox.networks.layers import linear, relu
+from indoor_explorers.planners.toolbox.networks.layers import linear, perceptron, relu
 from indoor_explorers.planners.toolbox.networks.weights_file import read_once, read_weights_file, write_weights_file
 
 #: Default width of every hidden layer.
@@ -128,19 +128,6 @@ def _values(places: np.ndarray, common: np.ndarray, weights: Weights) -> tuple[n
     return values, joined[hidden:]
 
 
-@kernel()
-def _option_values(row: np.ndarray, weights: OptionWeights) -> np.ndarray:
-    width = weights.option_bias.shape[0]
-    one, two = np.empty(width, np.float32), np.empty(width, np.float32)
-    values = np.empty(weights.option_out_bias.shape[0], np.float32)
-    linear(row, weights.option, weights.option_bias, one)
-    relu(one)
-    linear(one, weights.option_second, weights.option_second_bias, two)
-    relu(two)
-    linear(two, weights.option_out, weights.option_out_bias, values)
-    return values
-
-
 def values(scene: Scene, loaded: Loaded) -> NDArray[np.float32]:
     """Return the values of the places of a scene: the network's, less the planner's costs, (K,).
 
@@ -151,7 +138,7 @@ def values(scene: Scene, loaded: Loaded) -> NDArray[np.float32]:
     of_places = np.asarray(learned - np.float32(loaded.prior) * scene.costs)
     if not isinstance(loaded.weights, OptionWeights):
         return of_places
-    of_options = _option_values(np.concatenate([pooled, scene.common]), loaded.weights)
+    of_options = perceptron(np.concatenate([pooled, scene.common]), *loaded.weights[len(NetworkWeights._fields) :])
     return np.concatenate([of_places, of_places.max() + scene.rules + of_options])
 
 

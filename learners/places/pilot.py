@@ -20,6 +20,16 @@ from indoor_explorers.planners.toolbox.pockets.estimates import DEFAULT_FILES, E
 KEEP = 1.0
 
 
+def leave(worth: NDArray[np.float32], left: Mask) -> None:
+    """Leave only some of the K places in their values and those of options, (K + O,), unless there would be none.
+
+    They get the value of the best place, the others -inf; ``left`` (K,) tells which they are.
+    """
+    of_places = worth[: len(left)]
+    if left.any():
+        of_places[:] = np.where(left, of_places.max(), -np.inf)
+
+
 class PlacesPilot(LookoutPilot):
     """Choose among the places, and fly to the one of highest value.
 
@@ -100,29 +110,14 @@ class PlacesPilot(LookoutPilot):
             for observe in self._observe_options:
                 observe(options)
             scene = scene.with_options(options)
-        worth = self.values(scene, self.goal if keeps else None)
+        worth, goal = values(scene, self._loaded), self.goal
+        if keeps and goal is not None:
+            leave(worth, scene.cells == goal[0] * self.paths.width + goal[1])
         row = self.pick(view, scene, worth)
         if row >= len(scene.cells):
             self._taken = Option(row - len(scene.cells))
             row = int(worth[: len(scene.cells)].argmax())
         return divmod(int(scene.cells[row]), self.paths.width)
-
-    def values(self, scene: Scene, goal: Cell | None) -> NDArray[np.float32]:
-        """Return the values of the places and options of a scene, (K + O,).
-
-        Where the UAV keeps its ``goal``, that has the value of the best place, and the others -inf.
-        """
-        worth = values(scene, self._loaded)
-        if goal is not None:
-            self._leave(worth, scene, scene.cells == goal[0] * self.paths.width + goal[1])
-        return worth
-
-    @staticmethod
-    def _leave(worth: NDArray[np.float32], scene: Scene, left: Mask) -> None:
-        """Leave only some places of a scene, (K,), with the value of the best place; all if there would be none."""
-        of_places = worth[: len(scene.cells)]
-        if left.any():
-            of_places[:] = np.where(left, of_places.max(), -np.inf)
 
     def pick(self, view: View, scene: Scene, worth: NDArray[np.float32]) -> int:
         """Return the number of the chosen place, or that of an option behind all places; ``worth`` (K + O,)."""

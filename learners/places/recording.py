@@ -12,7 +12,7 @@ from indoor_explorers.env.policies.policy import Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.learners.places.network import Loaded
 from indoor_explorers.learners.places.option_pilots import with_options
-from indoor_explorers.learners.places.pilot import PlacesPilot
+from indoor_explorers.learners.places.pilot import PlacesPilot, leave
 from indoor_explorers.learners.places.scene import Scene
 from indoor_explorers.learners.places.truth import TrueMap, Truth, truth_of
 from indoor_explorers.planners.toolbox.navigation.paths import count_known
@@ -73,7 +73,8 @@ class RecordingPilot(PlacesPilot):
         """Return the row of the drawn place or option; the probabilities are the softmax of the values."""
         recording, reach = self._recording, float(self.briefing.lidar_range)
         if recording.options_alone:
-            self._leave(worth, scene, np.arange(len(scene.cells)) == worth[: len(scene.cells)].argmax())
+            count = len(scene.cells)
+            leave(worth, np.arange(count) == worth[:count].argmax())
         logits = worth.astype(np.float64)
         probabilities = np.exp(logits - logits.max())
         probabilities /= probabilities.sum()

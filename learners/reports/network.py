@@ -8,9 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.learners.reports.situation import NUMBERS, Situation
-from indoor_explorers.planners.toolbox.networks.layers import linear, relu
+from indoor_explorers.planners.toolbox.networks.layers import perceptron
 from indoor_explorers.planners.toolbox.networks.weights_file import read_once, read_weights_file, write_weights_file
 
 #: Units of each hidden layer.
@@ -35,21 +34,9 @@ def shapes() -> dict[str, tuple[int, ...]]:
     return {name: (sizes | biases)[name] for name in NetworkWeights._fields}
 
 
-@kernel()
-def _value(numbers: np.ndarray, weights: NetworkWeights) -> float:
-    width = weights.first_bias.shape[0]
-    one, two, out = np.empty(width, np.float32), np.empty(width, np.float32), np.empty(1, np.float32)
-    linear(numbers, weights.first, weights.first_bias, one)
-    relu(one)
-    linear(one, weights.second, weights.second_bias, two)
-    relu(two)
-    linear(two, weights.out, weights.out_bias, out)
-    return float(out[0])
-
-
 def value(situation: Situation, weights: NetworkWeights) -> float:
     """Return the value of flying home now beyond that of exploring on: the logarithm of the odds that it is better."""
-    return situation.rule + float(_value(situation.numbers, weights))
+    return situation.rule + float(perceptron(situation.numbers, *weights)[0])
 
 
 def write_weights(path: Path, weights: NetworkWeights) -> None:

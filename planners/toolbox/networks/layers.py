@@ -42,6 +42,27 @@ def relu(x: np.ndarray) -> None:
         x[j] = max(x[j], np.float32(0.0))
 
 
+@kernel()
+def perceptron(
+    x: np.ndarray,
+    first: np.ndarray,
+    first_bias: np.ndarray,
+    second: np.ndarray,
+    second_bias: np.ndarray,
+    out: np.ndarray,
+    out_bias: np.ndarray,
+) -> np.ndarray:
+    """Return the outputs (M,) of two hidden layers, each with ReLU, and a linear one, for x (N,); all float32."""
+    one, two = np.empty(first_bias.shape[0], np.float32), np.empty(second_bias.shape[0], np.float32)
+    outputs = np.empty(out_bias.shape[0], np.float32)
+    linear(x, first, first_bias, one)
+    relu(one)
+    linear(one, second, second_bias, two)
+    relu(two)
+    linear(two, out, out_bias, outputs)
+    return outputs
+
+
 @kernel(entry=False)
 def layer_norm(x: np.ndarray, scale: np.ndarray, shift: np.ndarray) -> None:
     """Apply layer normalisation (Ba et al. 2016) to x (N,) float32 in place."""
