@@ -1,7 +1,8 @@
 # make compare   set everything up, compare the four families and chance, print the table and the report's place: two minutes
 # make compare-full  the same on more episodes and a whole office floor: some five minutes
-# make test      set everything up, run the linters and all tests but the slow ones: some five minutes on two cores
-# make test-all  the tests that make test leaves out: trainings with other libraries, clusters, wheel, browser
+# make test      set everything up, run the linters and most tests: some five minutes on two cores, once all is set up
+# make test-long the longest of those tests that need nothing more: some seven minutes. Continuous integration runs both
+# make test-all  all tests that make test leaves out, also trainings with other libraries, clusters, wheel, browser
 # make stress    kill a comparison fifty times and see that nothing is lost: some ten minutes
 # make soak      fly every policy over many maps, teams and radios and list who freezes, dithers or fails: an hour
 # make docs      write the documentation to results/site; a dead link fails. Flies the experiment families with EPISODES=2
@@ -32,7 +33,7 @@ print(*(home for home in homes if home.resolve() != pathlib.Path.cwd().resolve()
 endef
 export OTHER_CLONE
 
-.PHONY: compare compare-full test test-all lint warm-up stress soak docs dataset dist browser clean own-venv
+.PHONY: compare compare-full test test-long test-all lint warm-up stress soak docs dataset dist browser clean own-venv
 
 compare: $(VENV)/.installed-compare
 	$(RUN)/indoor-explorers compare --experiment evaluation/experiments/quick.toml --out $(OUT)
@@ -42,10 +43,13 @@ compare-full: $(VENV)/.installed-compare
 
 test: $(VENV)/.installed-test
 	@$(MAKE) --no-print-directory -j 2 warm-up lint  # one core compiles while the other one checks types
-	$(PYTEST) -m "not slow"
+	$(PYTEST) -m "not slow and not long"
+
+test-long: $(VENV)/.installed-test warm-up
+	$(PYTEST) -m long
 
 test-all: $(VENV)/.installed-test browser warm-up
-	$(PYTEST) -m slow
+	$(PYTEST) -m "slow or long"
 
 lint: $(VENV)/.installed-test
 	$(RUN)/ruff check .

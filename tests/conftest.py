@@ -11,6 +11,7 @@ import pytest
 from indoor_explorers.env.grid.arrays import Belief, Cell
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.learners.sessions.process import one_thread as on_one_thread
+from tests import long_tests
 
 HERE = Path(__file__).parent
 
@@ -21,9 +22,14 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
     Where tests of a file have nothing in common, or those of several files do, a mark ``xdist_group`` says so. The
     files of this folder come first: they hold the longest tests, and no process is to wait for another one at the end.
+
+    Tests that are listed as long and not marked as slow are marked so.
     """
     items.sort(key=lambda item: item.path.parent != HERE)
+    listed = long_tests.read()
     for item in items:
+        if item.get_closest_marker("slow") is None and long_tests.is_long(item.nodeid, listed):
+            item.add_marker(pytest.mark.long)
         if item.get_closest_marker("xdist_group") is None:
             item.add_marker(pytest.mark.xdist_group(item.nodeid.partition("::")[0]))
 

@@ -36,10 +36,11 @@ SLOW_CONFORMANCE = (
     *("rrt-aep", "rrt-frontier", "rrt-nbv", "horizon", "frontier-predictive", "tours", "dddqn-places"),
     *("attention-sac", "pomdp", "pso", "bat", "aco", "sgba", "frontier-burgard", "pso-robots", *ALIKE),
 )
-#: Those that fly the failure modes apart, as `make test` does not fly them through the conformance suite; those whose
-#: decisions take longest, and others with other radios, do so in `make test-all`.
+#: Those that fly the failure modes apart, as only `make test-all` flies them through the conformance suite; those whose
+#: decisions take longest, and others with other radios, fly them there, too.
 FAILURE_MODES_APART = ("tours", "dddqn-places", "bat")
-#: The policies that fly the office and a real map in `make test`: one of each family; `make test-all` flies the others.
+#: The policies that fly the office and a real map in `make test` and `make test-long`: one of each family; `make
+#: test-all` flies the others.
 OFFICE = ("frontier-nearest", "frontier-predictive", "pso", "dddqn")
 some_explorers = parametrized(EXPLORERS, slow=[name for name in EXPLORERS if name not in OFFICE])
 
