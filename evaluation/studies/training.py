@@ -92,7 +92,7 @@ def run_training(
 
         def show(progress: Any) -> None:
             bar.update(line, total=progress.total_steps, completed=progress.steps, description=_now(progress))
-            if progress.evaluation is not None and shown[-1:] != [progress.evaluation]:
+            if progress.evaluation and shown[-1:] != [progress.evaluation]:
                 shown.append(progress.evaluation)
                 figures = ", ".join(f"{name} {_short(value)}" for name, value in progress.evaluation.items())
                 console.print(f"evaluation: {figures}", highlight=False)

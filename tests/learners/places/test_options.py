@@ -11,6 +11,7 @@ import torch
 from indoor_explorers.env import InputError, World, make_policy, scenario
 from indoor_explorers.env.policies.policy import Pilot
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
+from indoor_explorers.evaluation.cli.parser import main
 from indoor_explorers.learners.places.flights import POINT, ChoiceArrays, fly
 from indoor_explorers.learners.places.learning import OPTION_PASSES, learn_choices, learn_values, outputs
 from indoor_explorers.learners.places.model import AdvantageNet, weights_of
@@ -18,7 +19,7 @@ from indoor_explorers.learners.places.network import Loaded, OptionWeights, grow
 from indoor_explorers.learners.places.options import OPTION_COMMON, Option, Options
 from indoor_explorers.learners.places.policy import SHIPPED, SHIPPED_OPTIONS
 from indoor_explorers.learners.places.scene import COMMON, MOST
-from indoor_explorers.learners.places.train import PlacesTraining, TrainingConfig, train
+from indoor_explorers.learners.places.train import PlacesTraining, TrainingConfig
 from indoor_explorers.learners.places.truth import TRUE_COMMON
 from indoor_explorers.learners.pockets.maps import TrainingMaps
 from indoor_explorers.learners.reports.flights import TRUE
@@ -258,11 +259,16 @@ def test_a_training_can_begin_with_the_values_of_reports_that_another_network_le
             TrainingConfig(**{"options": True, "initial_reports": "shipped", **other})
 
 
-def test_no_rounds_write_the_network_that_a_training_begins_with(tmp_path: Path) -> None:
-    """The weights that ship are those."""
-    begins: dict[str, Any] = {"options": True, "initial_weights": "shipped", "initial_reports": "shipped"}
-    train(TrainingConfig(rounds=0, **begins), None, tmp_path / "run", seed=1)
-    written, shipped = (load_weights(path) for path in (tmp_path / "run" / "places.safetensors", SHIPPED_OPTIONS))
+def test_no_rounds_write_the_network_that_a_training_begins_with(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The weights that ship are those; nothing is evaluated."""
+    begins = ["rounds=0", "options=true", "initial_weights=shipped", "initial_reports=shipped"]
+    words = ["--learner", "dddqn-places", "--set", *begins, "--seed", "1", "--out", str(tmp_path)]
+    assert main(["train", *words]) == 0
+    path = tmp_path / "places.safetensors"
+    assert capsys.readouterr().out == f"Weights: {path}\n"
+    written, shipped = (load_weights(file) for file in (path, SHIPPED_OPTIONS))
     assert written[1:] == shipped[1:]
     for one, other in zip(written.weights, shipped.weights, strict=True):
         np.testing.assert_array_equal(one, other)
