@@ -134,7 +134,10 @@ def anchor_of(heading):
 def test_the_site_is_built_and_fetches_nothing(tmp_path):
     words = ["-m", "mkdocs", "build", "--quiet", "--config-file", SITE / "mkdocs.yml", "--site-dir", tmp_path / "site"]
     few = {**os.environ, "INDOOR_EXPLORERS_SITE_EPISODES": "1"}
-    done = subprocess.run([sys.executable, *words], cwd=tmp_path, capture_output=True, text=True, timeout=300, env=few)
+    whole = 1500  # seconds: some five minutes of work beside other tests, so only a hang ends it
+    done = subprocess.run(
+        [sys.executable, *words], cwd=tmp_path, capture_output=True, text=True, timeout=whole, env=few
+    )
     assert done.returncode == 0, done.stderr
     pages = {str(path.relative_to(tmp_path / "site")): path.read_text() for path in (tmp_path / "site").rglob("*.html")}
     made = {
