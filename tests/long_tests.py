@@ -18,7 +18,7 @@ LISTED = Path(__file__).with_suffix(".txt")
 ALL_PARAMETERS, EACH_PARAMETER = 1.0, 0.6
 #: A file is long if setting up its fixtures takes so many seconds.
 FIXTURES = 4.0
-MEASURED = re.compile(r"([\d.]+)s (call|setup) +(\S+?)(?=\[|@)")
+MEASURED = re.compile(r"([\d.]+)s (call|setup) +(\S.*)")
 
 
 def function_of(test: str) -> str:
@@ -44,7 +44,7 @@ def found(lines: Iterable[str]) -> list[str]:
     parameters: Counter[str] = Counter()
     for line in lines:
         if measured := MEASURED.match(line):
-            duration, part, function = float(measured[1]), measured[2], measured[3]
+            duration, part, function = float(measured[1]), measured[2], function_of(measured[3])
             if part == "setup":
                 fixtures[function.partition("::")[0]] += duration
             else:
